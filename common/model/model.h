@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// A model document: the list of terms (strain measure x law x support) of which a simulation is made, plus the
+// corrections of sensors that a diagnosis may add. Data only; what a name computes is server/mechanics.
+//
+// JSON form (schema "tenter.model", version 1) and the catalogue of names are described in README.md.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tenter::model {
+
+/// One number of a law. Values, bounds and intervals are in `unit` (SI).
+struct Parameter {
+  std::string name;
+  double value = 0.0;
+  std::string unit;
+  std::optional<double> lower;
+  std::optional<double> upper;
+  bool fixed = false;                ///< not changed by fits
+  std::optional<double> std_error;   ///< filled by fits
+  std::optional<double> interval_lo; ///< 95 % interval, filled by fits
+  std::optional<double> interval_hi;
+};
+
+/// Maps the deformation to one or two scalar strains.
+struct StrainMeasure {
+  std::string name;        ///< row of the strain catalogue, e.g. "green_u"
+  double angle_rad = 0.0;  ///< fibre measures: from weft towards warp
+};
+
+/// Maps strain (and history) to stress.
+struct Law {
+  std::string name;             ///< row of the law catalogue, e.g. "linear", "dahl"
+  double range_lo = 0.0;        ///< spline laws: strain of the first and of the last control point
+  double range_hi = 0.0;
+  std::vector<Parameter> parameters;  ///< in the catalogue's order; splines have one per control point
+};
+
+struct Support {
+  std::string name = "everywhere";
+};
+
+struct Term {
+  std::string id;      ///< unique within the model; parameters are addressed as "id.parameter"
+  std::string effect;  ///< id of the effect that asked for this term, "" in a baseline
+  StrainMeasure strain;
+  Law law;
+  Support support;
+};
+
+/// What a channel does to the true value, e.g. "offset", "gain", "drift", "delay".
+struct SensorCorrection {
+  std::string id;
+  std::string effect;
+  std::string capture;    ///< capture hash, or "" for all
+  std::string component;  ///< stress component "x", "y", "xy", or "" for all
+  std::string type;       ///< row of the correction catalogue
+  std::vector<Parameter> parameters;
+};
+
+/// Largest and smallest strain of a measure that the data of a fit reached.
+struct StrainRange {
+  std::string term;
+  double lo = 0.0;
+  double hi = 0.0;
+};
+
+struct Lineage {
+  std::string parent;                 ///< name of the model this one extends
+  std::vector<std::string> added;     ///< effects, in the order of their acceptance
+  std::vector<std::string> captures;  ///< SHA-256 of the captures it was fitted to
+};
+
+struct Model {
+  std::string name;
+  std::string description;
+  std::vector<Term> terms;
+  std::vector<SensorCorrection> corrections;
+  std::vector<StrainRange> strain_ranges;
+  std::optional<Lineage> lineage;
+};
+
+}  // namespace tenter::model

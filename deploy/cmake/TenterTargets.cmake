@@ -1,0 +1,28 @@
+# One static library per folder: tenter_library(common_capture SOURCES a.cpp LINK common_base PRIVATE_LINK hdf5).
+# A target sees only the folders on its link line plus the system packages named there.
+
+find_package(Threads REQUIRED)
+find_package(PkgConfig REQUIRED)
+find_package(OpenSSL REQUIRED)
+
+add_library(tenter_options INTERFACE)
+target_include_directories(tenter_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(tenter_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Werror)
+if(TENTER_SANITIZE)
+  target_compile_options(tenter_options INTERFACE -fsanitize=${TENTER_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(tenter_options INTERFACE -fsanitize=${TENTER_SANITIZE})
+endif()
+
+function(tenter_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
+  add_library(tenter_${name} STATIC ${ARG_SOURCES})
+  add_library(tenter::${name} ALIAS tenter_${name})
+  target_link_libraries(tenter_${name} PUBLIC tenter_options ${ARG_LINK} PRIVATE ${ARG_PRIVATE_LINK})
+endfunction()
+
+function(tenter_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE tenter_options ${ARG_LINK})
+endfunction()

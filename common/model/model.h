@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A model document: the list of terms (strain measure x law x support) of which a simulation is made, plus the
-// corrections of sensors that a diagnosis may add. Data only; what a name computes is server/mechanics.
+// A model document: the list of terms (strain measure x law x support) of which a simulation is
+// made, plus the corrections of sensors that a diagnosis may add. Data only; what a name computes
+// is server/mechanics.
 //
-// JSON form (schema "tenter.model", version 1) and the catalogue of names are described in README.md.
+// JSON form (schema "tenter.model", version 1) and the catalogue of names are described in
+// README.md.
 #pragma once
 
 #include <optional>
@@ -18,9 +20,9 @@ struct Parameter {
   std::string unit;
   std::optional<double> lower;
   std::optional<double> upper;
-  bool fixed = false;                ///< not changed by fits
-  std::optional<double> std_error;   ///< filled by fits
-  std::optional<double> interval_lo; ///< 95 % interval, filled by fits
+  bool fixed = false;                 ///< not changed by fits
+  std::optional<double> std_error;    ///< filled by fits
+  std::optional<double> interval_lo;  ///< 95 % interval, filled by fits
   std::optional<double> interval_hi;
 };
 
@@ -32,10 +34,11 @@ struct StrainMeasure {
 
 /// Maps strain (and history) to stress.
 struct Law {
-  std::string name;             ///< row of the law catalogue, e.g. "linear", "dahl"
-  double range_lo = 0.0;        ///< spline laws: strain of the first and of the last control point
+  std::string name;       ///< row of the law catalogue, e.g. "linear", "dahl"
+  double range_lo = 0.0;  ///< spline laws: strain of the first and of the last control point
   double range_hi = 0.0;
-  std::vector<Parameter> parameters;  ///< in the catalogue's order; splines have one per control point
+  std::vector<Parameter>
+      parameters;  ///< in the catalogue's order; splines have one per control point
 };
 
 struct Support {

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a model may be made of: strain measures, laws, supports and sensor corrections, as tables of
+// rows.
+//
+// This is the list of names, sizes, units and bounds; what a name computes is its own file in
+// server/mechanics (sensors: server/estimation). A new law is one row here, its file there and its
+// test.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/model/model.h"
+
+namespace tenter::model {
+
+struct ParameterRow {
+  std::string_view name;
+  std::string_view unit;
+  std::optional<double> lower;  ///< hard bounds: a document may tighten them, never widen them
+  std::optional<double> upper;
+  double value = 0.0;  ///< where a document gives none
+  bool fixed = false;  ///< not fitted unless a document says otherwise
+};
+
+/// Warp is v, weft is u; w_u and w_v are the columns of F in material axes; every strain is without
+/// unit.
+struct StrainRow {
+  std::string_view name;
+  int strains = 1;         ///< k: how many scalars it gives
+  bool has_angle = false;  ///< takes angle_rad, from weft towards warp
+  std::string_view words;
+};
+
+struct LawRow {
+  std::string_view name;
+  int strains = 1;      ///< how many scalar strains it takes; 0: any number
+  bool spline = false;  ///< parameters[0] stands for one control point; they are named k1, k2, ...
+  int min_points = 0;   ///< spline laws: fewest control points
+  bool path_dependent = false;  ///< has a memory: must be stepped along the path
+  bool rate_dependent = false;  ///< needs time
+  std::vector<ParameterRow> parameters;
+  std::string_view words;
+};
+
+/// A correction turns the true stress of a component into what its channel shows.
+struct CorrectionRow {
+  std::string_view name;
+  std::vector<ParameterRow> parameters;
+  std::string_view words;
+};
+
+const std::vector<StrainRow>& strain_catalogue();
+const std::vector<LawRow>& law_catalogue();
+const std::vector<CorrectionRow>& correction_catalogue();
+
+/// nullptr where there is no such row.
+const StrainRow* find_strain(std::string_view name);
+const LawRow* find_law(std::string_view name);
+const CorrectionRow* find_correction(std::string_view name);
+
+constexpr int kMaxControlPoints = 64;
+
+/// The parameters of a law at their defaults, in the catalogue's order; `control_points` counts for
+/// splines only.
+std::vector<Parameter> default_parameters(const LawRow& law, int control_points = 0);
+std::vector<Parameter> default_parameters(const CorrectionRow& correction);
+
+/// Strains of the first and the last control point of a spline law. Equal bounds in the document
+/// mean "not chosen yet": a fit puts the range that its data reach, and until then 0 to 0.5 holds.
+std::pair<double, double> spline_range(const Law& law);
+
+}  // namespace tenter::model

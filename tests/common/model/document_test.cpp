@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/model/document.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "common/model/catalogue.h"
+#include "common/model/presets.h"
+
+namespace tenter::model {
+namespace {
+
+/// A document around one law object.
+std::string with_law(const std::string& law, const std::string& strain = R"({"name": "green_u"})") {
+  return R"({"schema": "tenter.model", "version": 1, "name": "m", "terms": [{"id": "t", "strain": )" +
+         strain + R"(, "law": )" + law + "}]}";
+}
+
+std::string error_of(const std::string& text) {
+  const Expected<Model> model = parse_model(text, "FILE");
+  if (model) return "accepted";
+  EXPECT_EQ(model.error().kind, ErrorKind::bad_input);
+  return model.error().message;
+}
+
+TEST(ModelDocument, NumbersAndLeftOutPartsTakeTheCataloguesDefaults) {
+  const Expected<Model> model =
+      parse_model(with_law(R"({"name": "dahl", "parameters": {"tau": 0.02, "a": 3}})"), "FILE");
+  ASSERT_TRUE(model) << model.error().message;
+  const std::vector<Parameter>& p = model->terms[0].law.parameters;
+  ASSERT_EQ(p.size(), 4u);
+  EXPECT_EQ(p[0].name, "a");
+  EXPECT_EQ(p[0].value, 3.0);
+  EXPECT_EQ(p[0].unit, "N/m");
+  EXPECT_EQ(p[2].value, 0.0);
+  EXPECT_TRUE(p[2].fixed);
+  EXPECT_EQ(p[3].value, 0.02);
+  EXPECT_EQ(model->terms[0].support.name, "everywhere");
+}
+
+TEST(ModelDocument, RoundTripKeepsEveryNumberToTheLastBit) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> exponent(-12.0, 12.0);
+  Model model = preset("stvk_orthotropic_spline").value();
+  model.lineage = Lineage{"stvk_orthotropic", {"internal_friction"}, {std::string(64, 'a')}};
+  model.strain_ranges = {{"weft", -0.1, 0.3000000000000000444}};
+  model.terms.push_back({"rub",
+                         "internal_friction",
+                         {"fibre", 0.1 + 0.2},
+                         {"dahl", 0.0, 0.0, default_parameters(*find_law("dahl"))},
+                         {}});
+  model.corrections.push_back({"zero", "load_cell_offset", std::string(64, 'b'), "x", "offset",
+                               default_parameters(*find_correction("offset"))});
+  for (Term& term : model.terms)
+    for (Parameter& p : term.law.parameters) {
+      p.value = std::pow(10.0, exponent(random)) + 1e-5;
+      p.std_error = p.value / 3.0;
+      p.interval_lo = p.value * 0.7;
+      p.interval_hi = p.value / 0.7;
+    }
+  const std::string text = write_model(model);
+  const Expected<Model> again = parse_model(text, "FILE");
+  ASSERT_TRUE(again) << again.error().message;
+  ASSERT_EQ(again->terms.size(), model.terms.size());
+  for (std::size_t t = 0; t < model.terms.size(); ++t) {
+    EXPECT_EQ(again->terms[t].strain.angle_rad, model.terms[t].strain.angle_rad);
+    for (std::size_t i = 0; i < model.terms[t].law.parameters.size(); ++i) {
+      EXPECT_EQ(again->terms[t].law.parameters[i].value, model.terms[t].law.parameters[i].value);
+      EXPECT_EQ(again->terms[t].law.parameters[i].std_error,
+                model.terms[t].law.parameters[i].std_error);
+      EXPECT_EQ(again->terms[t].law.parameters[i].lower, model.terms[t].law.parameters[i].lower);
+    }
+  }
+  EXPECT_EQ(again->strain_ranges[0].hi, model.strain_ranges[0].hi);
+  EXPECT_EQ(again->corrections[0].component, "x");
+  EXPECT_EQ(again->lineage->added, model.lineage->added);
+  EXPECT_EQ(write_model(*again), text);
+}
+
+TEST(ModelDocument, ErrorsNameThePathOfTheKey) {
+  const struct {
+    std::string text;
+    std::string begins;
+  } cases[] = {
+      {with_law(R"({"name": "linear", "parameters": {"k": {"value": 1, "min": "0"}}})"),
+       "FILE: terms[0].law.parameters.k.min: must be a number, not a string"},
+      {with_law(R"({"name": "linear", "parameters": {"k": {"value": 1, "min": -1}}})"),
+       "FILE: terms[0].law.parameters.k.min: is -1, but the law allows 0"},
+      {with_law(R"({"name": "linear", "parameters": {"k": -1}})"),
+       "FILE: terms[0].law.parameters.k.value: is -1, below the bound 0"},
+      {with_law(R"({"name": "linear", "parameters": {"k": {"value": 1, "unit": "Pa"}}})"),
+       "FILE: terms[0].law.parameters.k.unit: is 'Pa', must be 'N/m'"},
+      {with_law(R"({"name": "linear", "parameters": {"k": {"value": 9, "max": 5}}})"),
+       "FILE: terms[0].law.parameters.k.value: is 9, above the bound 5"},
+      {with_law(R"({"name": "linear", "parameters": {"q": 1}})"),
+       "FILE: terms[0].law.parameters.q: there is no such parameter; the parameters are k"},
+      {with_law(R"({"name": "linear", "parametres": {}})"),
+       "FILE: terms[0].law.parametres: unknown key; known here are name, range, parameters"},
+      {with_law(R"({"name": "magic"})"), "FILE: terms[0].law.name: there is no law 'magic'"},
+      {with_law(R"({"name": "linear"})", R"({"name": "yaw"})"),
+       "FILE: terms[0].strain.name: there is no strain measure 'yaw'"},
+      {with_law(R"({"name": "bilinear"})"),
+       "FILE: terms[0].law.name: bilinear takes 2 strain(s), but green_u gives 1"},
+      {with_law(R"({"name": "linear"})", R"({"name": "green_u", "angle_rad": 1})"),
+       "FILE: terms[0].strain.angle_rad: green_u has no angle"},
+      {with_law(R"({"name": "linear", "range": [0, 1]})"),
+       "FILE: terms[0].law.range: only spline laws have a range"},
+      {with_law(R"({"name": "hermite_stiffness", "range": [1, 0], "parameters": {"k1": 1}})"),
+       "FILE: terms[0].law.range: must be two finite numbers"},
+      {with_law(R"({"name": "bspline_stiffness", "parameters": {"k1": 1}})"),
+       "FILE: terms[0].law.parameters: has 1 control points, must have 4 to 64"},
+      {with_law(R"({"name": "hermite_stiffness", "parameters": {"k1": 1, "k3": 1}})"),
+       "FILE: terms[0].law.parameters.k3: there is no such parameter"},
+      {R"({"schema": "tenter.model", "version": 1, "name": "m", "terms": []})",
+       "FILE: terms: a model needs at least one term"},
+      {R"({"schema": "tenter.model", "version": 1, "name": "m"})",
+       "FILE: the key 'terms' is missing"},
+      {R"({"schema": "tenter.model", "version": 2, "name": "m", "terms": []})",
+       "FILE: version: this program reads version 1"},
+      {R"({"schema": "other", "version": 1})", "FILE: schema: must be 'tenter.model'"},
+      {"[1, 2]", "FILE: a model document must be a JSON object"},
+      {R"({"schema": "tenter.model", "version": 1, "name": "m", "terms": {}})",
+       "FILE: terms: must be a list, not an object"},
+  };
+  for (const auto& c : cases) EXPECT_EQ(error_of(c.text).substr(0, c.begins.size()), c.begins);
+}
+
+TEST(ModelDocument, BrokenTextIsRefusedWithItsPlace) {
+  EXPECT_EQ(error_of("{\n  \"schema\": ,\n}"), "FILE: is not JSON, see line 2, column 13");
+  EXPECT_NE(error_of("").find("is not JSON"), std::string::npos);
+  EXPECT_NE(error_of(R"({"schema": "tenter.model", "schema": "tenter.model"})").find("twice"),
+            std::string::npos);
+  EXPECT_NE(error_of(with_law(R"({"name": "linear", "parameters": {"k": 1e999}})")), "accepted");
+  EXPECT_NE(error_of(std::string(2'000'000, '[')), "accepted");
+  EXPECT_NE(error_of("{\"schema\": \"\xff\xfe\"}"), "accepted");
+  EXPECT_NE(error_of(std::string(kMaxDocumentBytes + 1, ' ')).find("4 MiB"), std::string::npos);
+}
+
+TEST(ModelDocument, ThePresetSurvivesEveryTruncationAndMutationWithoutCrashing) {
+  const std::string text = preset_json("stvk_orthotropic").value();
+  for (std::size_t length = 0; length + 2 < text.size(); ++length)
+    EXPECT_FALSE(parse_model(std::string_view(text).substr(0, length), "FILE"));
+  std::mt19937 random(11);
+  int refused = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::string mutated = text;
+    mutated[random() % mutated.size()] = static_cast<char>(random() % 256);
+    mutated[random() % mutated.size()] = "{}[]\",:0-e."[random() % 11];
+    const Expected<Model> model = parse_model(mutated, "FILE");
+    if (!model) {
+      ++refused;
+      EXPECT_EQ(model.error().message.rfind("FILE: ", 0), 0u);
+    }
+  }
+  EXPECT_GT(refused, 1000);
+}
+
+TEST(ModelValidate, RefusesWhatAProgramCouldBuildWrongly) {
+  const Model good = preset("stvk_orthotropic").value();
+  ASSERT_TRUE(validate(good));
+
+  Model m = good;
+  m.terms[1].id = m.terms[0].id;
+  EXPECT_EQ(validate(m).error().message, "terms[1].id: 'weft' is used twice");
+  m = good;
+  m.terms[0].law.parameters[0].value = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(validate(m).error().message,
+            "terms[0].law.parameters.k.value: must be a finite number");
+  m = good;
+  m.terms[0].support.name = "patch";
+  EXPECT_FALSE(validate(m));
+  m = good;
+  m.corrections.push_back(
+      {"zero", "", "", "z", "offset", default_parameters(*find_correction("offset"))});
+  EXPECT_EQ(validate(m).error().message,
+            "corrections[0].component: must be 'x', 'y' or 'xy', not 'z'");
+  m = good;
+  m.strain_ranges.push_back({"nowhere", 0.0, 1.0});
+  EXPECT_FALSE(validate(m));
+  m = good;
+  m.lineage = Lineage{"", {}, {"abc"}};
+  EXPECT_EQ(validate(m).error().message, "lineage.captures[0]: must be the SHA-256 of a capture");
+}
+
+}  // namespace
+}  // namespace tenter::model

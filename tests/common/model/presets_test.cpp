@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/model/presets.h"
+
+#include <gtest/gtest.h>
+
+#include "common/model/catalogue.h"
+#include "common/model/document.h"
+
+namespace tenter::model {
+namespace {
+
+TEST(Presets, EachParsesUnderItsOwnNameAndRoundTrips) {
+  ASSERT_EQ(preset_names().size(), 10u);
+  for (const std::string& name : preset_names()) {
+    const Expected<Model> model = preset(name);
+    ASSERT_TRUE(model) << model.error().message;
+    EXPECT_EQ(model->name, name);
+    EXPECT_FALSE(model->description.empty());
+    const std::string text = write_model(*model);
+    const Expected<Model> again = parse_model(text, name);
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(write_model(*again), text);
+  }
+}
+
+TEST(Presets, BoundsAndUnitsAreTheCatalogues) {
+  for (const std::string& name : preset_names()) {
+    const Model model = preset(name).value();
+    for (const Term& term : model.terms) {
+      const LawRow& law = *find_law(term.law.name);
+      const auto defaults = default_parameters(law, static_cast<int>(term.law.parameters.size()));
+      ASSERT_EQ(term.law.parameters.size(), defaults.size());
+      for (std::size_t i = 0; i < defaults.size(); ++i) {
+        EXPECT_EQ(term.law.parameters[i].lower, defaults[i].lower) << name << " " << term.id;
+        EXPECT_EQ(term.law.parameters[i].upper, defaults[i].upper) << name << " " << term.id;
+        EXPECT_EQ(term.law.parameters[i].unit, defaults[i].unit) << name << " " << term.id;
+        EXPECT_EQ(term.law.parameters[i].value, defaults[i].value) << name << " " << term.id;
+      }
+    }
+  }
+}
+
+TEST(Presets, SplineVariantsHaveFivePointsAndLeaveTheRangeToTheFit) {
+  for (const std::string& name : preset_names()) {
+    if (name.find("_spline") == std::string::npos) continue;
+    int splines = 0;
+    const Model model = preset(name).value();
+    for (const Term& term : model.terms) {
+      if (!find_law(term.law.name)->spline) continue;
+      ++splines;
+      EXPECT_EQ(term.law.parameters.size(), 5u);
+      EXPECT_EQ(term.law.range_lo, term.law.range_hi);
+    }
+    EXPECT_GE(splines, 1) << name;
+  }
+}
+
+TEST(Presets, UnknownNameListsTheKnown) {
+  const Expected<Model> model = preset("jelly");
+  ASSERT_FALSE(model);
+  EXPECT_EQ(model.error().kind, ErrorKind::not_found);
+  EXPECT_NE(model.error().message.find("jelly"), std::string::npos);
+  EXPECT_NE(model.error().message.find("stvk_orthotropic"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tenter::model

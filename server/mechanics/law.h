@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Laws: what a term answers to its strain.
+//
+// A law maps the strain of this instant, and for path-dependent laws its state at the start of the step and the step's
+// duration, to energy density (N/m), stress (N/m), tangent, the state at the end, and the derivatives of all of these
+// by strain, parameters and starting state. Between two frames the strain is taken to change linearly in time.
+//
+//   energy     path-independent laws: stored energy; path-dependent laws: incremental potential of the step, whose
+//              derivative by the strain is the stress (architecture.md), up to a constant
+//   state      a few scalars; what each means, and what survives between runs, is said by state_kind
+//
+// A law is immutable and stateless: callable from any thread. Nothing here allocates.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "common/base/error.h"
+#include "common/model/model.h"
+#include "server/mechanics/strain_measure.h"
+
+namespace tenter::mechanics {
+
+constexpr int kMaxLawParameters = 16;
+constexpr int kMaxLawState = 4;
+
+struct LawInput {
+  const double* strain = nullptr;      ///< one or two strains, as the law takes
+  const double* parameters = nullptr;  ///< in the catalogue's order
+  const double* state = nullptr;       ///< at the start of the step
+  double duration_s = 0.0;             ///< of the step; 0 on the first frame of a run
+};
+
+struct LawOutput {
+  double energy = 0.0;
+  double stress[kMaxStrains];
+  double tangent[kMaxStrains][kMaxStrains];
+  double stress_by_parameter[kMaxStrains][kMaxLawParameters];
+  double stress_by_state[kMaxStrains][kMaxLawState];
+  double state[kMaxLawState];
+  double state_by_strain[kMaxLawState][kMaxStrains];
+  double state_by_parameter[kMaxLawState][kMaxLawParameters];
+  double state_by_state[kMaxLawState][kMaxLawState];
+};
+
+/// What happens to a state variable when a run begins on a specimen that was pulled before.
+enum class StateKind {
+  transient,   ///< forgotten when the specimen was unloaded out of sight: back to zero
+  last_strain, ///< the strain where the step starts: rest (zero) then
+  memory       ///< survives until a new specimen
+};
+
+class Law {
+ public:
+  virtual ~Law() = default;
+  int strain_count() const { return strain_count_; }
+  int parameter_count() const { return parameter_count_; }
+  int state_count() const { return state_count_; }
+  virtual StateKind state_kind(int) const { return StateKind::memory; }
+  /// `out` must have been zeroed; the law writes what differs from zero.
+  virtual void evaluate(const LawInput& in, LawOutput& out) const = 0;
+
+ protected:
+  Law(int strains, int parameters, int states)
+      : strain_count_(strains), parameter_count_(parameters), state_count_(states) {}
+
+ private:
+  int strain_count_;
+  int parameter_count_;
+  int state_count_;
+};
+
+/// `strain_count` is that of the term's measure; bad_input where the law does not take so many, is unknown, or has the
+/// wrong parameters.
+Expected<std::shared_ptr<const Law>> make_law(const model::Law& description, int strain_count);
+
+}  // namespace tenter::mechanics

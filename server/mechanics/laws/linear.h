@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Constant stiffness, Psi = k/2 |eps|^2, on any number of strains, and the bilinear coupling Psi = c eps1 eps2 of the
+// additive form of St. Venant-Kirchhoff (thesis 4.3).
+#pragma once
+
+#include "server/mechanics/law.h"
+
+namespace tenter::mechanics {
+
+class LinearLaw final : public Law {
+ public:
+  explicit LinearLaw(int strains) : Law(strains, 1, 0) {}
+  void evaluate(const LawInput& in, LawOutput& out) const override;
+};
+
+class BilinearLaw final : public Law {
+ public:
+  BilinearLaw() : Law(2, 1, 0) {}
+  void evaluate(const LawInput& in, LawOutput& out) const override;
+};
+
+}  // namespace tenter::mechanics

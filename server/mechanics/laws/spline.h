@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Spline laws of one strain; all are linear in their parameters.
+//
+//   hermite_stiffness  sigma = k(eps) eps, k a cubic Hermite spline through n control points (thesis 3.3.2), the energy
+//                      its closed-form integral; one point is the linear law
+//   bspline_stiffness  the same with a clamped cubic B-spline, which stays non-negative when its coefficients are
+//   convex_spline      sigma = integral of E from 0, E(eps) = sum e_j B_j(eps) >= 0: the energy is convex in the strain
+//
+// Control points are even over [range_lo, range_hi]; outside, the end value of k (of E) continues.
+#pragma once
+
+#include "server/mechanics/law.h"
+
+namespace tenter::mechanics {
+
+class SplineLaw final : public Law {
+ public:
+  enum class Form { hermite_stiffness, bspline_stiffness, convex };
+  /// range_lo < range_hi unless points == 1.
+  SplineLaw(Form form, int points, double range_lo, double range_hi);
+  void evaluate(const LawInput& in, LawOutput& out) const override;
+
+ private:
+  /// One basis function on one interval: value = sum_k c[k] t^k, t in [0, 1]; and the integrals of value * eps^power
+  /// from the first control point to the interval's start.
+  struct Piece {
+    double c[4] = {0.0, 0.0, 0.0, 0.0};
+    double moment[2] = {0.0, 0.0};
+  };
+  struct Basis {
+    double value;
+    double slope;
+    double moment[2];  ///< integral of B(s) s^power over [0, eps]
+  };
+  const Piece& piece(int basis, int interval) const {
+    return pieces_[static_cast<std::size_t>(basis * intervals_ + interval)];
+  }
+  Piece& piece(int basis, int interval) {
+    return pieces_[static_cast<std::size_t>(basis * intervals_ + interval)];
+  }
+  void build_hermite();
+  void build_bspline();
+  void build_moments();
+  double end_value(int basis, bool upper) const;
+  /// Integral of B(s) s^power from the first control point to the strain.
+  double moment_from_lo(int basis, double strain, int power) const;
+  Basis evaluate_basis(int basis, double strain) const;
+
+  Form form_;
+  int points_;
+  int intervals_;
+  double lo_;
+  double width_;  ///< of one interval
+  std::vector<Piece> pieces_;
+  std::vector<double> moment_at_zero_[2];
+};
+
+}  // namespace tenter::mechanics

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/twin/generator.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "tests/twin/capture_writer.h"
+#include "tests/twin/hidden_effects.h"
+#include "tests/twin/sizing.h"
+
+namespace tenter::twin {
+namespace {
+
+constexpr double kSizeTolerance = 0.002;
+constexpr int kMostTrials = 25;
+
+Cloth draw_cloth(Random choices, Baseline baseline) {
+  const auto about = [&choices](double value) { return value * choices.uniform(0.7, 1.3); };
+  Cloth cloth;
+  cloth.elastic = {about(600.0), about(800.0), about(150.0), about(100.0)};
+  if (baseline == Baseline::isotropic_stvk) {
+    cloth.elastic.c22 = cloth.elastic.c11;
+    cloth.elastic.c33 = 0.5 * (cloth.elastic.c11 - cloth.elastic.c12);
+  }
+  if (baseline == Baseline::diagonal_stvk) cloth.elastic.c12 = 0.0;
+  return cloth;
+}
+
+std::string case_name(const TwinCase& twin_case) {
+  std::string name = twin_case.suite;
+  for (const std::string& effect : twin_case.effects) name += "+" + effect;
+  return name;
+}
+
+/// Amplitude at which the effect, alone, has the wanted size: fixed-point steps in the logarithm
+/// with the secant's slope (the size is nearly a power of the amplitude).
+template <class SizeOf>
+std::array<double, 2> find_amplitude(double first_guess, double largest, double wanted,
+                                     SizeOf size_of) {
+  double amplitude = std::min(first_guess, largest);
+  double size = size_of(amplitude);
+  double slope = 1.0;
+  for (int i = 0; i < kMostTrials && size > 0.0; ++i) {
+    if (std::abs(size / wanted - 1.0) < kSizeTolerance) break;
+    const double factor = std::clamp(std::pow(wanted / size, 1.0 / slope), 0.05, 20.0);
+    const double next = std::min(amplitude * factor, largest);
+    if (next == amplitude) break;
+    const double next_size = size_of(next);
+    if (next_size > 0.0)
+      slope = std::clamp(std::log(next_size / size) / std::log(next / amplitude), 0.3, 3.0);
+    amplitude = next;
+    size = next_size;
+  }
+  return {amplitude, size};
+}
+
+}  // namespace
+
+Expected<Twin> make_twin(const TwinCase& twin_case) {
+  Random plan_choices(stream_seed(twin_case.seed, case_name(twin_case) + " plan"));
+  Expected<std::vector<PlannedCapture>> plans = plan_suite(twin_case.suite, plan_choices);
+  if (!plans) return tl::unexpected(plans.error());
+  if (!(twin_case.size >= 0.0) || !std::isfinite(twin_case.size))
+    return bad_input("the size of a hidden effect must be zero or more");
+
+  std::vector<std::string> ids;
+  for (const std::string& name : twin_case.effects) {
+    const HiddenEffect* effect = find_hidden_effect(name);
+    if (effect == nullptr) return bad_input("the twins know no effect '" + name + "'");
+    ids.push_back(effect->id);
+  }
+  const auto holds = [&ids](const char* id) {
+    return std::find(ids.begin(), ids.end(), id) != ids.end();
+  };
+  if (holds("anisotropy") && holds("poisson_coupling"))
+    return bad_input(
+        "anisotropy and poisson_coupling are misfits of different baselines: hide one of them");
+
+  const Baseline baseline = baseline_for(ids);
+  Random level(stream_seed(twin_case.seed, case_name(twin_case) + " level"));
+  NoiseLevels noise;
+  noise.stress_N_m = level.log_uniform(0.12, 0.3);
+  noise.shear_stress_N_m = 0.3 * noise.stress_N_m;
+  const bool declared = level.uniform() < 0.5;
+
+  const Truth plain{
+      draw_cloth(Random(stream_seed(twin_case.seed, case_name(twin_case) + " cloth")), baseline),
+      {}};
+  Truth truth = plain;
+  Twin twin;
+  if (twin_case.size > 0.0 && !ids.empty()) {
+    const Ruler ruler(*plans, plain, baseline, noise);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      const std::string& name = twin_case.effects[i];
+      const HiddenEffect& effect = *find_hidden_effect(name);
+      const Random choices(stream_seed(twin_case.seed, case_name(twin_case) + " effect " + ids[i]));
+      const Random taste(stream_seed(twin_case.seed, case_name(twin_case) + " variant " + ids[i]));
+      const std::string variant = variant_of(effect, name, taste);
+      const auto size_of = [&](double amplitude) {
+        Truth alone = plain;
+        effect.apply(amplitude, variant, *plans, choices, alone);
+        return ruler.size_of(alone);
+      };
+      const auto [amplitude, size] =
+          find_amplitude(effect.first_guess, effect.largest, twin_case.size, size_of);
+      effect.apply(amplitude, variant, *plans, choices, truth);
+      twin.hidden.push_back({effect.id, variant, amplitude, effect.unit, size, effect.foreign});
+    }
+    twin.achieved_size = ids.size() == 1 ? twin.hidden.front().achieved_size : ruler.size_of(truth);
+  }
+
+  twin.baseline_preset = preset_name(baseline);
+  twin.noise_rms_N_m = noise.stress_N_m;
+  twin.sigma_declared = declared;
+  Random noise_stream(stream_seed(twin_case.seed, case_name(twin_case) + " noise"));
+  for (std::size_t c = 0; c < plans->size(); ++c)
+    twin.captures.push_back(write_down((*plans)[c], twin_case.suite,
+                                       measure((*plans)[c], c, truth.cloth, truth.faults), noise,
+                                       declared, noise_stream));
+  return twin;
+}
+
+}  // namespace tenter::twin

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/twin/sizing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace tenter::twin {
+namespace {
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+void subtract(std::vector<double>& from, double factor, const std::vector<double>& what) {
+  for (std::size_t i = 0; i < from.size(); ++i) from[i] -= factor * what[i];
+}
+
+// directions of the baseline's parameters in (c11, c22, c12, c33)
+std::vector<Elastic> directions(Baseline baseline) {
+  switch (baseline) {
+    case Baseline::orthotropic_stvk:
+      return {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+    case Baseline::isotropic_stvk:  // lambda, mu
+      return {{1, 1, 1, 0}, {2, 2, 0, 1}};
+    case Baseline::diagonal_stvk:
+      return {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 0, 1}};
+  }
+  return {};
+}
+
+Truth moved(Truth truth, const Elastic& direction, double step) {
+  truth.cloth.elastic.c11 += step * direction.c11;
+  truth.cloth.elastic.c22 += step * direction.c22;
+  truth.cloth.elastic.c12 += step * direction.c12;
+  truth.cloth.elastic.c33 += step * direction.c33;
+  return truth;
+}
+
+}  // namespace
+
+std::string preset_name(Baseline baseline) {
+  switch (baseline) {
+    case Baseline::orthotropic_stvk:
+      return "orthotropic_stvk";
+    case Baseline::isotropic_stvk:
+      return "isotropic_stvk";
+    case Baseline::diagonal_stvk:
+      return "diagonal_stvk";
+  }
+  return "";
+}
+
+Baseline baseline_for(const std::vector<std::string>& effect_ids) {
+  for (const std::string& id : effect_ids) {
+    if (id == "anisotropy") return Baseline::isotropic_stvk;
+    if (id == "poisson_coupling") return Baseline::diagonal_stvk;
+  }
+  return Baseline::orthotropic_stvk;
+}
+
+std::vector<double> whitened_readings(const std::vector<PlannedCapture>& plans, const Truth& truth,
+                                      const NoiseLevels& noise) {
+  std::vector<double> rows;
+  const auto append = [&rows](const std::vector<double>& column, double sigma) {
+    for (const double value : column) rows.push_back(value / sigma);
+  };
+  for (std::size_t c = 0; c < plans.size(); ++c) {
+    const Readings readings = measure(plans[c], c, truth.cloth, truth.faults);
+    append(readings.stress_x, noise.stress_N_m);
+    append(readings.stress_y, noise.stress_N_m);
+    append(readings.stress_shear, noise.shear_stress_N_m);
+    append(readings.stretch_x, noise.observed_stretch);
+    append(readings.stretch_y, noise.observed_stretch);
+  }
+  return rows;
+}
+
+// modified Gram-Schmidt; a direction that the suite does not excite drops out
+Ruler::Ruler(const std::vector<PlannedCapture>& plans, const Truth& plain, Baseline baseline,
+             const NoiseLevels& noise)
+    : plans_(plans), noise_(noise), plain_(whitened_readings(plans, plain, noise)) {
+  const double step = 1e-3 * plain.cloth.elastic.c11;
+  for (const Elastic& direction : directions(baseline)) {
+    std::vector<double> column = whitened_readings(plans, moved(plain, direction, step), noise);
+    subtract(column, 1.0, whitened_readings(plans, moved(plain, direction, -step), noise));
+    const double before = std::sqrt(dot(column, column));
+    for (const std::vector<double>& q : span_) subtract(column, dot(q, column), q);
+    const double after = std::sqrt(dot(column, column));
+    if (after <= 1e-6 * std::max(before, 1e-12)) continue;
+    for (double& value : column) value /= after;
+    span_.push_back(std::move(column));
+  }
+}
+
+double Ruler::size_of(const Truth& truth) const {
+  std::vector<double> added = whitened_readings(plans_, truth, noise_);
+  subtract(added, 1.0, plain_);
+  for (const std::vector<double>& q : span_) subtract(added, dot(q, added), q);
+  return std::sqrt(dot(added, added) / static_cast<double>(added.size()));
+}
+
+}  // namespace tenter::twin

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How large an effect is: the rms of what it adds to the readings and the baseline's own parameters
+// cannot absorb, over the standard deviation of the noise.
+//
+// Readings are stacked, each divided by its channel's noise, over all captures of the suite. What
+// the baseline can absorb is the span of the finite differences of the elastic readings by the
+// baseline's parameters.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/twin/hidden_effects.h"
+#include "tests/twin/machine.h"
+#include "tests/twin/suite.h"
+
+namespace tenter::twin {
+
+/// Standard deviations of the channels.
+struct NoiseLevels {
+  double stress_N_m = 0.2;
+  double shear_stress_N_m = 0.06;
+  double observed_stretch = 2e-4;
+};
+
+/// The simulation that the twin is held against. Names are those of the shipped model presets.
+enum class Baseline { orthotropic_stvk, isotropic_stvk, diagonal_stvk };
+std::string preset_name(Baseline baseline);
+
+/// The baseline in whose light these effects are misfits; orthotropic StVK for most.
+Baseline baseline_for(const std::vector<std::string>& effect_ids);
+
+/// All readings of the suite, stacked and divided by their noise.
+std::vector<double> whitened_readings(const std::vector<PlannedCapture>& plans, const Truth& truth,
+                                      const NoiseLevels& noise);
+
+/// Measures sizes of truths against one effect-free truth.
+class Ruler {
+ public:
+  Ruler(const std::vector<PlannedCapture>& plans, const Truth& plain, Baseline baseline,
+        const NoiseLevels& noise);
+
+  /// rms of whitened_readings(truth) - whitened_readings(plain), projected off the baseline's span.
+  double size_of(const Truth& truth) const;
+
+ private:
+  const std::vector<PlannedCapture>& plans_;
+  NoiseLevels noise_;
+  std::vector<double> plain_;
+  std::vector<std::vector<double>> span_;  ///< orthonormal
+};
+
+}  // namespace tenter::twin

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iomanip>
+#include <sstream>
 #include <utility>
 
 #include "tests/twin/capture_writer.h"
@@ -21,11 +23,11 @@ Cloth draw_cloth(Random choices, Baseline baseline) {
   const auto about = [&choices](double value) { return value * choices.uniform(0.7, 1.3); };
   Cloth cloth;
   cloth.elastic = {about(600.0), about(800.0), about(150.0), about(100.0)};
-  if (baseline == Baseline::isotropic_stvk) {
+  if (baseline == Baseline::stvk_isotropic) {
     cloth.elastic.c22 = cloth.elastic.c11;
     cloth.elastic.c33 = 0.5 * (cloth.elastic.c11 - cloth.elastic.c12);
   }
-  if (baseline == Baseline::diagonal_stvk) cloth.elastic.c12 = 0.0;
+  if (baseline == Baseline::stvk_diagonal) cloth.elastic.c12 = 0.0;
   return cloth;
 }
 
@@ -33,6 +35,19 @@ std::string case_name(const TwinCase& twin_case) {
   std::string name = twin_case.suite;
   for (const std::string& effect : twin_case.effects) name += "+" + effect;
   return name;
+}
+
+/// What hides in the captures and how to make them again.
+std::string notes_on(const TwinCase& twin_case, const std::vector<Hidden>& hidden) {
+  std::ostringstream words;
+  words << "synthetic; hidden: ";
+  if (hidden.empty()) words << "nothing; ";
+  for (const Hidden& effect : hidden) {
+    words << effect.id << (effect.variant.empty() ? "" : " (" + effect.variant + ")") << " of "
+          << std::setprecision(3) << effect.achieved_size << " times the noise; ";
+  }
+  words << "suite " << twin_case.suite << ", seed " << twin_case.seed;
+  return words.str();
 }
 
 /// Amplitude at which the effect, alone, has the wanted size: fixed-point steps in the logarithm
@@ -115,11 +130,14 @@ Expected<Twin> make_twin(const TwinCase& twin_case) {
   twin.baseline_preset = preset_name(baseline);
   twin.noise_rms_N_m = noise.stress_N_m;
   twin.sigma_declared = declared;
+  const std::string notes = notes_on(twin_case, twin.hidden);
   Random noise_stream(stream_seed(twin_case.seed, case_name(twin_case) + " noise"));
-  for (std::size_t c = 0; c < plans->size(); ++c)
+  for (std::size_t c = 0; c < plans->size(); ++c) {
     twin.captures.push_back(write_down((*plans)[c], twin_case.suite,
                                        measure((*plans)[c], c, truth.cloth, truth.faults), noise,
                                        declared, noise_stream));
+    twin.captures.back().provenance.notes = notes;
+  }
   return twin;
 }
 

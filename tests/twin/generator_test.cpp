@@ -109,8 +109,8 @@ TEST(TwinGenerator, WhatTheBaselineAbsorbsHasNoSize) {
   Truth plain, stiffer;
   stiffer.cloth.elastic.c11 *= 1.02;
   stiffer.cloth.elastic.c12 *= 1.02;
-  EXPECT_LT(Ruler(plans, plain, Baseline::orthotropic_stvk, {}).size_of(stiffer), 0.02);
-  EXPECT_GT(Ruler(plans, plain, Baseline::isotropic_stvk, {}).size_of(stiffer), 0.5);
+  EXPECT_LT(Ruler(plans, plain, Baseline::stvk_orthotropic, {}).size_of(stiffer), 0.02);
+  EXPECT_GT(Ruler(plans, plain, Baseline::stvk_isotropic, {}).size_of(stiffer), 0.5);
 }
 
 // refining the integrator must not move a reading by a visible part of the noise, for effects ten

@@ -21,11 +21,11 @@ void subtract(std::vector<double>& from, double factor, const std::vector<double
 // directions of the baseline's parameters in (c11, c22, c12, c33)
 std::vector<Elastic> directions(Baseline baseline) {
   switch (baseline) {
-    case Baseline::orthotropic_stvk:
+    case Baseline::stvk_orthotropic:
       return {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
-    case Baseline::isotropic_stvk:  // lambda, mu
+    case Baseline::stvk_isotropic:  // lambda, mu
       return {{1, 1, 1, 0}, {2, 2, 0, 1}};
-    case Baseline::diagonal_stvk:
+    case Baseline::stvk_diagonal:
       return {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 0, 1}};
   }
   return {};
@@ -43,22 +43,22 @@ Truth moved(Truth truth, const Elastic& direction, double step) {
 
 std::string preset_name(Baseline baseline) {
   switch (baseline) {
-    case Baseline::orthotropic_stvk:
-      return "orthotropic_stvk";
-    case Baseline::isotropic_stvk:
-      return "isotropic_stvk";
-    case Baseline::diagonal_stvk:
-      return "diagonal_stvk";
+    case Baseline::stvk_orthotropic:
+      return "stvk_orthotropic";
+    case Baseline::stvk_isotropic:
+      return "stvk_isotropic";
+    case Baseline::stvk_diagonal:
+      return "stvk_diagonal";
   }
   return "";
 }
 
 Baseline baseline_for(const std::vector<std::string>& effect_ids) {
   for (const std::string& id : effect_ids) {
-    if (id == "anisotropy") return Baseline::isotropic_stvk;
-    if (id == "poisson_coupling") return Baseline::diagonal_stvk;
+    if (id == "anisotropy") return Baseline::stvk_isotropic;
+    if (id == "poisson_coupling") return Baseline::stvk_diagonal;
   }
-  return Baseline::orthotropic_stvk;
+  return Baseline::stvk_orthotropic;
 }
 
 std::vector<double> whitened_readings(const std::vector<PlannedCapture>& plans, const Truth& truth,

@@ -24,7 +24,7 @@ struct NoiseLevels {
 };
 
 /// The simulation that the twin is held against. Names are those of the shipped model presets.
-enum class Baseline { orthotropic_stvk, isotropic_stvk, diagonal_stvk };
+enum class Baseline { stvk_orthotropic, stvk_isotropic, stvk_diagonal };
 std::string preset_name(Baseline baseline);
 
 /// The baseline in whose light these effects are misfits; orthotropic StVK for most.

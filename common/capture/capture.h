@@ -2,8 +2,8 @@
 // A capture in memory: one specimen under one protocol, frame by frame. Immutable once made.
 //
 // Everything is SI. A missing value is NaN and is allowed only in channels that declare it.
-// All per-frame vectors have the same length (frame_count). The file layout is in README.md of this folder;
-// how frames become observations (stretches, membrane stresses) is estimation's business.
+// All per-frame vectors have the same length (frame_count). The file layout is in README.md of this
+// folder; how frames become observations (stretches, membrane stresses) is estimation's business.
 #pragma once
 
 #include <cstddef>
@@ -29,16 +29,16 @@ enum class Quantity {
 
 /// One measured quantity over all frames.
 struct Channel {
-  std::string name;         ///< unique within the capture: letters, digits, '_'
+  std::string name;  ///< unique within the capture: letters, digits, '_'
   Quantity quantity = Quantity::other;
   std::string unit;         ///< SI symbol ("N", "m", "1", "Pa", "N/m", ...)
   std::string source_unit;  ///< unit in the file it came from, for show and export
   std::string description;
-  std::string point;        ///< position channels: name of the tracked point
-  char coordinate = ' ';    ///< position channels: 'x', 'y' or 'z'
-  double sigma = 0.0;       ///< standard deviation of one reading, SI; 0: not known
+  std::string point;                    ///< position channels: name of the tracked point
+  char coordinate = ' ';                ///< position channels: 'x', 'y' or 'z'
+  double sigma = 0.0;                   ///< standard deviation of one reading, SI; 0: not known
   std::vector<double> sigma_per_frame;  ///< empty, or one standard deviation per frame (SI)
-  double resolution = 0.0;  ///< smallest step of the instrument, SI; 0: not known
+  double resolution = 0.0;              ///< smallest step of the instrument, SI; 0: not known
   bool may_be_missing = false;
   std::vector<double> values;  ///< SI, one per frame
 };
@@ -55,9 +55,10 @@ struct AxisState {
 
   Role role = Role::fixed;
   Source source = Source::none;
-  std::string channel;   ///< Source::channel: stretch, strain, shear, displacement or length channel
-  std::string point_a;   ///< Source::points: the distance a-b is the length
-  std::string point_b;
+  std::string channel =
+      {};  ///< Source::channel: stretch, strain, shear, displacement or length channel
+  std::string point_a = {};  ///< Source::points: the distance a-b is the length
+  std::string point_b = {};
   Reference reference = Reference::given;  ///< rest length for displacement, length and points
   double reference_length_m = 0.0;         ///< Reference::given
   double fixed_value = 1.0;                ///< Role::fixed: stretch (shear for the xy component)
@@ -67,7 +68,7 @@ struct AxisState {
 struct Kinematics {
   AxisState x;
   AxisState y;
-  AxisState xy;
+  AxisState xy{.fixed_value = 0.0};  ///< no shear unless said otherwise
 };
 
 /// Which channel carries the stress conjugate to which component ("x", "y", "xy").
@@ -81,25 +82,26 @@ struct Specimen {
   std::string name;      ///< one physical sample
   std::string material;  ///< specimens of one material share it
   std::optional<double> length_m;
-  std::optional<double> width_m;          ///< across the x pull unless width_y_m is given
-  std::optional<double> width_y_m;        ///< width that the y force acts on
+  std::optional<double> width_m;    ///< across the x pull unless width_y_m is given
+  std::optional<double> width_y_m;  ///< width that the y force acts on
   std::optional<double> thickness_m;
   std::optional<double> cross_section_m2;
   std::optional<double> mass_kg;
   std::optional<double> area_density_kg_m2;
-  double axis_angle_rad = 0.0;  ///< from the material's weft (u) to the test's x axis, anticlockwise
+  double axis_angle_rad =
+      0.0;  ///< from the material's weft (u) to the test's x axis, anticlockwise
 };
 
 enum class Branch { load, unload, hold, other };
 
 struct Phase {
-  std::string name;  ///< e.g. "pull", "strip_x", "hold at 1.5"
-  std::string kind;  ///< "ramp", "cycle", "hold", "step", "other"
+  std::string name;                          ///< e.g. "pull", "strip_x", "hold at 1.5"
+  std::string kind;                          ///< "ramp", "cycle", "hold", "step", "other"
   std::optional<double> nominal_rate_per_s;  ///< strain per second, where declared
 };
 
-/// One continuous sequence of frames: time increases within it, and what path-dependent laws remember
-/// runs through it.
+/// One continuous sequence of frames: time increases within it, and what path-dependent laws
+/// remember runs through it.
 struct Run {
   int number = 1;     ///< as in the source
   std::string group;  ///< runs of one group are repeats of the same path ("" = not a repeat)
@@ -108,7 +110,8 @@ struct Run {
 struct Protocol {
   std::string name;  ///< captures with the same protocol name repeat each other
   std::string description;
-  /// What a run starts from: the same specimen as the run before left it, or a specimen never pulled.
+  /// What a run starts from: the same specimen as the run before left it, or a specimen never
+  /// pulled.
   enum class History { continues, virgin_each_run };
   History history = History::continues;
   std::optional<double> nominal_rate_per_s;  ///< strain rate where no time was recorded
@@ -127,7 +130,7 @@ struct Provenance {
 };
 
 struct Capture {
-  std::string kind;   ///< "homogeneous_strain" | "tracked_points"
+  std::string kind;  ///< "homogeneous_strain" | "tracked_points"
   std::string title;
   Specimen specimen;
   Protocol protocol;
@@ -137,11 +140,11 @@ struct Capture {
 
   std::vector<Run> runs;
   // per frame, all of the same length
-  std::vector<int> frame;           ///< frame number as in the source, increasing within a run
-  std::vector<int> run;             ///< index into runs, non-decreasing
-  std::vector<int> phase;           ///< index into protocol.phases
+  std::vector<int> frame;  ///< frame number as in the source, increasing within a run
+  std::vector<int> run;    ///< index into runs, non-decreasing
+  std::vector<int> phase;  ///< index into protocol.phases
   std::vector<Branch> branch;
-  std::vector<double> time_s;       ///< empty where no time was recorded
+  std::vector<double> time_s;  ///< empty where no time was recorded
   std::vector<Channel> channels;
 
   std::size_t frame_count() const { return run.size(); }

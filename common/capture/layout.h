@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private: the names of the capture layout, shared by writer and reader. README.md explains them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace tenter::capture::layout {
+
+inline constexpr const char* kSchema = "tenter.capture";
+inline constexpr std::int64_t kVersion = 1;
+
+inline const std::string kEntry = "/entry";
+inline const std::string kData = "/entry/data";
+inline const std::string kSample = "/entry/sample";
+inline const std::string kProtocol = "/entry/protocol";
+inline const std::string kRuns = "/entry/runs";
+inline const std::string kKinematics = "/entry/kinematics";
+inline const std::string kStresses = "/entry/stresses";
+inline const std::string kProvenance = "/entry/provenance";
+
+/// Kept free for kinds of capture that this version does not read; files may hold them.
+inline constexpr std::array<const char*, 6> kForLater = {"meshes",   "clips",  "cords",
+                                                         "profiles", "images", "volumes"};
+
+}  // namespace tenter::capture::layout

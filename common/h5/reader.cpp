@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/h5/reader.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <limits>
+
+#include "common/h5/handle.h"
+
+namespace tenter::h5 {
+
+namespace {
+
+/// Deflate cannot do better than about 1032 to 1.
+constexpr std::uint64_t kDeflateBest = 1040;
+
+/// What is read must be an element type that HDF5 turns into `wanted` without guessing.
+enum class Wanted { real, integer, text };
+
+const char* word(Wanted wanted) {
+  switch (wanted) {
+    case Wanted::real:
+      return "numbers";
+    case Wanted::integer:
+      return "whole numbers";
+    case Wanted::text:
+      return "text of fixed length";
+  }
+  return "";
+}
+
+std::string megabytes(std::uint64_t bytes) {
+  if (bytes < 1000000) return std::to_string(bytes) + " bytes";
+  return std::to_string(bytes / 1000000) + " MB";
+}
+
+}  // namespace
+
+struct H5Reader::Impl {
+  std::string file_name;
+  std::uint64_t file_bytes = 0;
+  Limits limits;
+  Handle file;
+
+  tl::unexpected<Error> complaint(const std::string& object, const std::string& what) const {
+    return bad_input(file_name + ": " + object + ": " + what + ".");
+  }
+
+  /// Every link on the way must be a hard link: no file may lead the reader into another file.
+  bool reachable(const std::string& path) const {
+    if (path == "/") return true;
+    for (std::size_t at = path.find('/', 1);; at = path.find('/', at + 1)) {
+      const std::string part = path.substr(0, at);
+      H5L_info_t link{};
+      if (H5Lexists(file.get(), part.c_str(), H5P_DEFAULT) <= 0) return false;
+      if (H5Lget_info(file.get(), part.c_str(), &link, H5P_DEFAULT) < 0) return false;
+      if (link.type != H5L_TYPE_HARD) return false;
+      if (at == std::string::npos) return true;
+    }
+  }
+
+  Expected<std::size_t> element_size(hid_t type, Wanted wanted, const std::string& object) const {
+    const H5T_class_t got = H5Tget_class(type);
+    const std::size_t size = H5Tget_size(type);
+    bool ok = false;
+    switch (wanted) {
+      case Wanted::real:
+        ok = (got == H5T_FLOAT || got == H5T_INTEGER) && size <= 8;
+        break;
+      case Wanted::integer:
+        ok = got == H5T_INTEGER && size <= 8;
+        break;
+      case Wanted::text:
+        ok = got == H5T_STRING && H5Tis_variable_str(type) == 0;
+        break;
+    }
+    if (!ok || size == 0) return complaint(object, std::string("must hold ") + word(wanted));
+    if (wanted == Wanted::text && size > limits.text_bytes)
+      return complaint(object, "claims texts of " + megabytes(size) + " each");
+    return size;
+  }
+
+  /// Number of elements: 1 for a scalar, the length of a one-dimensional dataset.
+  Expected<std::uint64_t> element_count(hid_t space, bool scalar, const std::string& object) const {
+    const H5S_class_t kind = H5Sget_simple_extent_type(space);
+    if (scalar) {
+      if (kind != H5S_SCALAR) return complaint(object, "must be a single value");
+      return 1;
+    }
+    hsize_t length = 0;
+    if (kind != H5S_SIMPLE || H5Sget_simple_extent_ndims(space) != 1 ||
+        H5Sget_simple_extent_dims(space, &length, nullptr) != 1)
+      return complaint(object, "must be a one-dimensional list");
+    return length;
+  }
+
+  Expected<void> affordable(std::uint64_t count, std::uint64_t size,
+                            const std::string& object) const {
+    if (count > limits.dataset_bytes / size)
+      return complaint(object, "claims " + std::to_string(count) +
+                                   " values, more than the limit of " +
+                                   megabytes(limits.dataset_bytes));
+    return {};
+  }
+
+  /// The claim of a dataset against what the file stores of it.
+  Expected<void> believable(hid_t dataset, std::uint64_t count, std::uint64_t size,
+                            const std::string& object) const {
+    const std::uint64_t claim = count * size;
+    const std::uint64_t stored = H5Dget_storage_size(dataset);
+    const Handle properties(H5Dget_create_plist(dataset));
+    const H5D_layout_t layout = properties ? H5Pget_layout(properties.get()) : H5D_LAYOUT_ERROR;
+    if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
+      return complaint(object, "is stored in a way that captures do not use");
+    if (layout == H5D_CONTIGUOUS && H5Pget_external_count(properties.get()) != 0)
+      return complaint(object, "is stored outside the file");
+    std::uint64_t best = 1;
+    if (layout == H5D_CHUNKED) {
+      hsize_t chunk = 0;
+      if (H5Pget_chunk(properties.get(), 1, &chunk) != 1 || chunk == 0 ||
+          chunk > limits.chunk_bytes / size)
+        return complaint(object, "claims chunks larger than " + megabytes(limits.chunk_bytes));
+      best = kDeflateBest;
+    }
+    if (claim > 0 && (stored > file_bytes || claim / best > stored))
+      return complaint(object, "claims " + megabytes(claim) + " but the file of " +
+                                   megabytes(file_bytes) + " stores " + megabytes(stored) +
+                                   " of it");
+    return {};
+  }
+
+  /// Opens, checks and reads a dataset into `bytes`, which holds `count` elements of `memory_type`
+  /// or of text.
+  struct Raw {
+    std::vector<char> bytes;
+    std::uint64_t count = 0;
+    std::size_t size = 0;
+  };
+  Expected<Raw> read(const std::string& path, Wanted wanted, bool scalar) const {
+    const std::lock_guard lock(library_lock());
+    if (!reachable(path)) return complaint(path, "is missing");
+    const Handle dataset(H5Oopen(file.get(), path.c_str(), H5P_DEFAULT));
+    if (!dataset) return complaint(path, "cannot be opened; the file is damaged");
+    if (H5Iget_type(dataset.get()) != H5I_DATASET) return complaint(path, "must be a dataset");
+    const Handle type(H5Dget_type(dataset.get()));
+    const Handle space(H5Dget_space(dataset.get()));
+    if (!type || !space) return complaint(path, "cannot be read; the file is damaged");
+    const auto size = element_size(type.get(), wanted, path);
+    if (!size) return tl::unexpected(size.error());
+    const auto count = element_count(space.get(), scalar, path);
+    if (!count) return tl::unexpected(count.error());
+    const std::uint64_t in_memory = wanted == Wanted::text ? *size : 8;
+    if (auto ok = affordable(*count, in_memory, path); !ok) return tl::unexpected(ok.error());
+    if (auto ok = believable(dataset.get(), *count, *size, path); !ok)
+      return tl::unexpected(ok.error());
+    Raw raw{std::vector<char>(*count * in_memory), *count, static_cast<std::size_t>(in_memory)};
+    if (*count > 0 && H5Dread(dataset.get(), memory_type(type.get(), wanted), H5S_ALL, H5S_ALL,
+                              H5P_DEFAULT, raw.bytes.data()) < 0)
+      return complaint(path, "cannot be read: a checksum fails or the file is damaged");
+    return raw;
+  }
+
+  Expected<Raw> read_attribute(const std::string& path, const std::string& name,
+                               Wanted wanted) const {
+    const std::lock_guard lock(library_lock());
+    const std::string object = path + "@" + name;
+    if (!reachable(path)) return complaint(path, "is missing");
+    if (H5Aexists_by_name(file.get(), path.c_str(), name.c_str(), H5P_DEFAULT) <= 0)
+      return complaint(object, "is missing");
+    const Handle attribute(
+        H5Aopen_by_name(file.get(), path.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
+    if (!attribute) return complaint(object, "cannot be opened; the file is damaged");
+    const Handle type(H5Aget_type(attribute.get()));
+    const Handle space(H5Aget_space(attribute.get()));
+    if (!type || !space) return complaint(object, "cannot be read; the file is damaged");
+    const auto size = element_size(type.get(), wanted, object);
+    if (!size) return tl::unexpected(size.error());
+    if (auto count = element_count(space.get(), true, object); !count)
+      return tl::unexpected(count.error());
+    const std::size_t in_memory = wanted == Wanted::text ? *size : 8;
+    Raw raw{std::vector<char>(in_memory), 1, in_memory};
+    if (H5Aread(attribute.get(), memory_type(type.get(), wanted), raw.bytes.data()) < 0)
+      return complaint(object, "cannot be read; the file is damaged");
+    return raw;
+  }
+
+  static hid_t memory_type(hid_t file_type, Wanted wanted) {
+    switch (wanted) {
+      case Wanted::real:
+        return H5T_NATIVE_DOUBLE;
+      case Wanted::integer:
+        return H5T_NATIVE_INT64;
+      case Wanted::text:
+        return file_type;
+    }
+    return file_type;
+  }
+
+  template <class T>
+  static std::vector<T> as(const Raw& raw) {
+    std::vector<T> values(raw.count);
+    if (raw.count > 0) std::memcpy(values.data(), raw.bytes.data(), raw.count * sizeof(T));
+    return values;
+  }
+
+  static std::string text_at(const Raw& raw, std::size_t i) {
+    const char* begin = raw.bytes.data() + i * raw.size;
+    return std::string(begin, std::find(begin, begin + raw.size, '\0'));
+  }
+};
+
+H5Reader::H5Reader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+H5Reader::H5Reader(H5Reader&&) noexcept = default;
+H5Reader& H5Reader::operator=(H5Reader&&) noexcept = default;
+H5Reader::~H5Reader() {
+  const std::lock_guard lock(library_lock());
+  impl_.reset();
+}
+
+Expected<H5Reader> H5Reader::open(const std::string& path, const Limits& limits) {
+  struct ::stat status {};
+  if (::stat(path.c_str(), &status) != 0)
+    return fail(errno == ENOENT ? ErrorKind::not_found : ErrorKind::bad_input,
+                path + ": " + std::strerror(errno) + ".");
+  if (!S_ISREG(status.st_mode)) return bad_input(path + ": is not a regular file.");
+  const std::lock_guard lock(library_lock());
+  auto impl = std::make_unique<Impl>();
+  impl->file_name = path;
+  impl->limits = limits;
+  impl->file_bytes = static_cast<std::uint64_t>(status.st_size);
+  if (H5Fis_hdf5(path.c_str()) <= 0)
+    return bad_input(path + ": is not an HDF5 file (or is truncated at its start).");
+  Handle access(H5Pcreate(H5P_FILE_ACCESS));
+  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
+  impl->file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()));
+  if (!impl->file) return bad_input(path + ": HDF5 cannot open it; it is truncated or damaged.");
+  return H5Reader(std::move(impl));
+}
+
+bool H5Reader::has(const std::string& path) const {
+  const std::lock_guard lock(library_lock());
+  return impl_->reachable(path);
+}
+
+bool H5Reader::is_group(const std::string& path) const {
+  const std::lock_guard lock(library_lock());
+  if (!impl_->reachable(path)) return false;
+  const Handle object(H5Oopen(impl_->file.get(), path.c_str(), H5P_DEFAULT));
+  return object && H5Iget_type(object.get()) == H5I_GROUP;
+}
+
+Expected<std::vector<std::string>> H5Reader::members(const std::string& group) const {
+  const std::lock_guard lock(library_lock());
+  if (!is_group(group)) return complaint(group, "is missing or not a group");
+  const Handle handle(H5Gopen2(impl_->file.get(), group.c_str(), H5P_DEFAULT));
+  H5G_info_t info{};
+  if (!handle || H5Gget_info(handle.get(), &info) < 0)
+    return complaint(group, "cannot be read; the file is damaged");
+  if (info.nlinks > impl_->limits.members) return complaint(group, "has too many members");
+  std::vector<std::string> names;
+  for (hsize_t i = 0; i < info.nlinks; ++i) {
+    std::array<char, 1024> name{};
+    const ssize_t length = H5Lget_name_by_idx(handle.get(), ".", H5_INDEX_NAME, H5_ITER_INC, i,
+                                              name.data(), name.size(), H5P_DEFAULT);
+    if (length <= 0) return complaint(group, "has a member without a readable name");
+    names.emplace_back(name.data());
+  }
+  return names;
+}
+
+Expected<std::string> H5Reader::text(const std::string& path) const {
+  auto raw = impl_->read(path, Wanted::text, true);
+  if (!raw) return tl::unexpected(raw.error());
+  return Impl::text_at(*raw, 0);
+}
+
+Expected<double> H5Reader::number(const std::string& path) const {
+  auto raw = impl_->read(path, Wanted::real, true);
+  if (!raw) return tl::unexpected(raw.error());
+  return Impl::as<double>(*raw)[0];
+}
+
+Expected<std::int64_t> H5Reader::integer(const std::string& path) const {
+  auto raw = impl_->read(path, Wanted::integer, true);
+  if (!raw) return tl::unexpected(raw.error());
+  return Impl::as<std::int64_t>(*raw)[0];
+}
+
+Expected<std::vector<double>> H5Reader::doubles(const std::string& path) const {
+  auto raw = impl_->read(path, Wanted::real, false);
+  if (!raw) return tl::unexpected(raw.error());
+  return Impl::as<double>(*raw);
+}
+
+Expected<std::vector<int>> H5Reader::ints(const std::string& path) const {
+  auto raw = impl_->read(path, Wanted::integer, false);
+  if (!raw) return tl::unexpected(raw.error());
+  std::vector<int> values;
+  values.reserve(raw->count);
+  for (const std::int64_t value : Impl::as<std::int64_t>(*raw)) {
+    if (value < std::numeric_limits<int>::min() || value > std::numeric_limits<int>::max())
+      return complaint(path, "holds the number " + std::to_string(value) + ", out of range");
+    values.push_back(static_cast<int>(value));
+  }
+  return values;
+}
+
+Expected<std::vector<std::string>> H5Reader::texts(const std::string& path) const {
+  auto raw = impl_->read(path, Wanted::text, false);
+  if (!raw) return tl::unexpected(raw.error());
+  std::vector<std::string> values;
+  values.reserve(raw->count);
+  for (std::size_t i = 0; i < raw->count; ++i) values.push_back(Impl::text_at(*raw, i));
+  return values;
+}
+
+bool H5Reader::has_attribute(const std::string& path, const std::string& name) const {
+  const std::lock_guard lock(library_lock());
+  return impl_->reachable(path) &&
+         H5Aexists_by_name(impl_->file.get(), path.c_str(), name.c_str(), H5P_DEFAULT) > 0;
+}
+
+Expected<std::string> H5Reader::text_attribute(const std::string& path,
+                                               const std::string& name) const {
+  auto raw = impl_->read_attribute(path, name, Wanted::text);
+  if (!raw) return tl::unexpected(raw.error());
+  return Impl::text_at(*raw, 0);
+}
+
+Expected<double> H5Reader::number_attribute(const std::string& path,
+                                            const std::string& name) const {
+  auto raw = impl_->read_attribute(path, name, Wanted::real);
+  if (!raw) return tl::unexpected(raw.error());
+  return Impl::as<double>(*raw)[0];
+}
+
+Expected<std::int64_t> H5Reader::integer_attribute(const std::string& path,
+                                                   const std::string& name) const {
+  auto raw = impl_->read_attribute(path, name, Wanted::integer);
+  if (!raw) return tl::unexpected(raw.error());
+  return Impl::as<std::int64_t>(*raw)[0];
+}
+
+tl::unexpected<Error> H5Reader::complaint(const std::string& object,
+                                          const std::string& what) const {
+  return impl_->complaint(object, what);
+}
+
+}  // namespace tenter::h5

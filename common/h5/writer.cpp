@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/h5/writer.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "common/base/atomic_write.h"
+#include "common/h5/handle.h"
+
+namespace tenter::h5 {
+
+namespace {
+
+constexpr hsize_t kChunkElements = 16384;
+constexpr unsigned kDeflateLevel = 4;
+constexpr std::size_t kImageIncrement = std::size_t{1} << 20;
+
+/// Fixed-length UTF-8 text of `length` bytes, padded with zeros. Length 0 does not exist in HDF5.
+Handle text_type(std::size_t length) {
+  Handle type(H5Tcopy(H5T_C_S1));
+  H5Tset_size(type.get(), std::max<std::size_t>(length, 1));
+  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  return type;
+}
+
+/// Texts side by side in cells of the longest one's length.
+std::vector<char> packed(const std::vector<std::string>& values, std::size_t* length) {
+  *length = 1;
+  for (const std::string& value : values) *length = std::max(*length, value.size());
+  std::vector<char> bytes(*length * values.size(), '\0');
+  for (std::size_t i = 0; i < values.size(); ++i)
+    std::memcpy(bytes.data() + i * *length, values[i].data(), values[i].size());
+  return bytes;
+}
+
+}  // namespace
+
+struct H5Writer::Impl {
+  Handle file;
+  std::string failed;  ///< the first object that HDF5 refused
+
+  void note(bool ok, const std::string& what) {
+    if (!ok && failed.empty()) failed = what;
+  }
+
+  /// Properties of a dataset: no times; chunks with checksums for arrays, inside the header for
+  /// scalars.
+  static Handle dataset_properties(hsize_t count) {
+    Handle properties(H5Pcreate(H5P_DATASET_CREATE));
+    H5Pset_obj_track_times(properties.get(), false);
+    if (count == 0) {
+      H5Pset_layout(properties.get(), H5D_COMPACT);
+      return properties;
+    }
+    const hsize_t chunk = std::min(count, kChunkElements);
+    H5Pset_chunk(properties.get(), 1, &chunk);
+    H5Pset_shuffle(properties.get());
+    H5Pset_deflate(properties.get(), kDeflateLevel);
+    H5Pset_fletcher32(properties.get());
+    return properties;
+  }
+
+  void dataset(const std::string& path, hid_t file_type, hid_t memory_type, const Handle& space,
+               hsize_t count, const void* data) {
+    Handle properties = dataset_properties(count);
+    Handle dataset(H5Dcreate2(file.get(), path.c_str(), file_type, space.get(), H5P_DEFAULT,
+                              properties.get(), H5P_DEFAULT));
+    note(dataset && (!data || H5Dwrite(dataset.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                                       data) >= 0),
+         path);
+  }
+
+  void put_attribute(const std::string& path, const std::string& name, hid_t file_type,
+                     hid_t memory_type, const Handle& space, const void* data) {
+    Handle attribute(H5Acreate_by_name(file.get(), path.c_str(), name.c_str(), file_type,
+                                       space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    note(attribute && H5Awrite(attribute.get(), memory_type, data) >= 0, path + "@" + name);
+  }
+};
+
+H5Writer::H5Writer() : impl_(std::make_unique<Impl>()) {
+  const std::lock_guard lock(library_lock());
+  Handle access(H5Pcreate(H5P_FILE_ACCESS));
+  H5Pset_fapl_core(access.get(), kImageIncrement, false);
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
+  Handle creation(H5Pcreate(H5P_FILE_CREATE));
+  H5Pset_obj_track_times(creation.get(), false);
+  impl_->file = Handle(H5Fcreate("in memory", H5F_ACC_TRUNC, creation.get(), access.get()));
+  impl_->note(static_cast<bool>(impl_->file), "/");
+}
+H5Writer::H5Writer(H5Writer&&) noexcept = default;
+H5Writer& H5Writer::operator=(H5Writer&&) noexcept = default;
+H5Writer::~H5Writer() {
+  const std::lock_guard lock(library_lock());
+  impl_.reset();
+}
+
+void H5Writer::group(const std::string& path, const std::string& nx_class) {
+  const std::lock_guard lock(library_lock());
+  if (path != "/") {
+    Handle creation(H5Pcreate(H5P_GROUP_CREATE));
+    H5Pset_obj_track_times(creation.get(), false);
+    Handle group(
+        H5Gcreate2(impl_->file.get(), path.c_str(), H5P_DEFAULT, creation.get(), H5P_DEFAULT));
+    impl_->note(static_cast<bool>(group), path);
+  }
+  attribute(path, "NX_class", nx_class);
+}
+
+void H5Writer::text(const std::string& path, const std::string& value) {
+  const std::lock_guard lock(library_lock());
+  const Handle type = text_type(value.size());
+  const Handle space(H5Screate(H5S_SCALAR));
+  impl_->dataset(path, type.get(), type.get(), space, 0, value.empty() ? "\0" : value.data());
+}
+
+void H5Writer::number(const std::string& path, double value, const std::string& unit) {
+  const std::lock_guard lock(library_lock());
+  const Handle space(H5Screate(H5S_SCALAR));
+  impl_->dataset(path, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, space, 0, &value);
+  if (!unit.empty()) attribute(path, "units", unit);
+}
+
+void H5Writer::integer(const std::string& path, std::int64_t value) {
+  const std::lock_guard lock(library_lock());
+  const Handle space(H5Screate(H5S_SCALAR));
+  impl_->dataset(path, H5T_STD_I64LE, H5T_NATIVE_INT64, space, 0, &value);
+}
+
+void H5Writer::array(const std::string& path, const std::vector<double>& values,
+                     const std::string& unit) {
+  const std::lock_guard lock(library_lock());
+  const hsize_t count = values.size();
+  const Handle space(H5Screate_simple(1, &count, nullptr));
+  impl_->dataset(path, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, space, count,
+                 count ? values.data() : nullptr);
+  if (!unit.empty()) attribute(path, "units", unit);
+}
+
+void H5Writer::array(const std::string& path, const std::vector<int>& values) {
+  const std::lock_guard lock(library_lock());
+  const hsize_t count = values.size();
+  const Handle space(H5Screate_simple(1, &count, nullptr));
+  impl_->dataset(path, H5T_STD_I32LE, H5T_NATIVE_INT, space, count,
+                 count ? values.data() : nullptr);
+}
+
+void H5Writer::array(const std::string& path, const std::vector<std::string>& values) {
+  const std::lock_guard lock(library_lock());
+  std::size_t length = 1;
+  const std::vector<char> bytes = packed(values, &length);
+  const Handle type = text_type(length);
+  const hsize_t count = values.size();
+  const Handle space(H5Screate_simple(1, &count, nullptr));
+  impl_->dataset(path, type.get(), type.get(), space, count, count ? bytes.data() : nullptr);
+}
+
+void H5Writer::attribute(const std::string& path, const std::string& name,
+                         const std::string& value) {
+  const std::lock_guard lock(library_lock());
+  const Handle type = text_type(value.size());
+  const Handle space(H5Screate(H5S_SCALAR));
+  impl_->put_attribute(path, name, type.get(), type.get(), space,
+                       value.empty() ? "\0" : value.data());
+}
+
+void H5Writer::attribute(const std::string& path, const std::string& name,
+                         const std::vector<std::string>& values) {
+  const std::lock_guard lock(library_lock());
+  std::size_t length = 1;
+  const std::vector<char> bytes = packed(values, &length);
+  const Handle type = text_type(length);
+  const hsize_t count = values.size();
+  const Handle space(H5Screate_simple(1, &count, nullptr));
+  impl_->put_attribute(path, name, type.get(), type.get(), space, bytes.data());
+}
+
+void H5Writer::attribute(const std::string& path, const std::string& name, double value) {
+  const std::lock_guard lock(library_lock());
+  const Handle space(H5Screate(H5S_SCALAR));
+  impl_->put_attribute(path, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, space, &value);
+}
+
+void H5Writer::attribute(const std::string& path, const std::string& name, std::int64_t value) {
+  const std::lock_guard lock(library_lock());
+  const Handle space(H5Screate(H5S_SCALAR));
+  impl_->put_attribute(path, name, H5T_STD_I64LE, H5T_NATIVE_INT64, space, &value);
+}
+
+Expected<void> H5Writer::save(const std::string& path) && {
+  std::vector<char> image;
+  {
+    const std::lock_guard lock(library_lock());
+    if (!impl_->failed.empty())
+      return fail(ErrorKind::internal, path + ": HDF5 refused to make " + impl_->failed + ".");
+    bool ok = H5Fflush(impl_->file.get(), H5F_SCOPE_GLOBAL) >= 0;
+    const ssize_t size = ok ? H5Fget_file_image(impl_->file.get(), nullptr, 0) : -1;
+    if (size > 0) {
+      image.resize(static_cast<std::size_t>(size));
+      ok = H5Fget_file_image(impl_->file.get(), image.data(), image.size()) == size;
+    }
+    if (!ok || size <= 0)
+      return fail(ErrorKind::internal, path + ": HDF5 could not finish the file in memory.");
+    impl_->file = Handle();
+  }
+  return write_atomically(path, image.data(), image.size());
+}
+
+}  // namespace tenter::h5

@@ -37,7 +37,7 @@ struct UploadState {
   std::uint64_t size_bytes = 0;
   std::uint32_t chunk_bytes = 0;  ///< every chunk but the last has this size
   std::uint64_t chunks = 0;
-  std::vector<bool> present;  ///< durable chunks
+  std::vector<bool> present;  ///< chunks that need not be sent
 };
 
 struct UploadProgress {
@@ -50,6 +50,7 @@ class Uploads {
  public:
   static constexpr std::uint32_t kChunkBytes = 1u << 20;
   static constexpr int kChunksPerSync = 16;
+  static constexpr std::uint64_t kLargestBytes = 1ull << 40;
 
   /// Opens or makes the area; drops transfers untouched for `keep_days` (by the wall clock; nothing
   /// else depends on it).
@@ -61,6 +62,7 @@ class Uploads {
   Expected<UploadProgress> write_chunk(const std::string& transfer, std::uint64_t index,
                                        std::string_view bytes);
   Expected<UploadProgress> sync(const std::string& transfer);
+  Expected<UploadRequest> request(const std::string& transfer) const;
 
   struct Finished {
     std::filesystem::path path;
@@ -76,12 +78,14 @@ class Uploads {
 
  private:
   class Transfer;
+  class Helper;
   explicit Uploads(std::filesystem::path folder);
-  Expected<std::shared_ptr<Transfer>> find(const std::string& transfer);
+  Expected<std::shared_ptr<Transfer>> find(const std::string& transfer) const;
 
   std::filesystem::path folder_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Transfer>> transfers_;
+  std::unique_ptr<Helper> helper_;
 };
 
 }  // namespace tenter::jobs

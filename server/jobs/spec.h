@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A job's specification: what decides its result, and nothing else.
+//
+//   {"schema": "tenter.job", "version": 1, "kind": "fit" | "simulate" | "diagnose",
+//    "captures": ["<sha256>", ...], "model": {tenter.model document}, "options": {...}}
+//
+// Two texts that mean the same (order of keys, white space) are one specification: the canonical
+// text has sorted keys and no white space, and its SHA-256 names the job's work.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/error.h"
+
+namespace tenter::jobs {
+
+struct JobSpec {
+  std::string kind;
+  std::vector<std::string> captures;
+  std::string canonical;
+  std::string sha256;  ///< of canonical
+};
+
+inline constexpr std::size_t kMaxSpecBytes = 1u << 20;
+inline constexpr std::size_t kMaxSpecCaptures = 256;
+
+/// Checks the form; messages name the key. `check_model`, when given, gets the text of "model".
+/// Whether the captures exist is the queue's question.
+Expected<JobSpec> parse_spec(
+    std::string_view json_text,
+    const std::function<Expected<void>(std::string_view)>& check_model = {});
+
+}  // namespace tenter::jobs

@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/report/html_tables.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "common/report/html_text.h"
+#include "common/report/words.h"
+
+namespace tenter::report {
+
+namespace {
+
+constexpr const char* kArrow = " \u2192 ";
+
+std::string badge(const std::string& css, const std::string& words) {
+  return "<span class=\"badge " + css + "\">" + escape_html(words) + "</span>";
+}
+
+std::string verdict_badge(const std::string& verdict) {
+  std::string css = "plain";
+  if (verdict == "NAMED") css = "named";
+  if (verdict == "NOTHING_FOUND") css = "good";
+  if (verdict == "AMBIGUOUS") css = "warn";
+  if (verdict == "SENSOR") css = "sensor";
+  if (verdict == "UNEXPLAINED" || verdict == "NUMERICAL") css = "bad";
+  std::string words = verdict;
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return badge(css, words);
+}
+
+/// A bar from 0 to `value` of `full`, with a whisker for an interval and a dashed line at `limit`.
+std::string meter(std::optional<double> value, double full, const char* css,
+                  std::optional<double> lo = {}, std::optional<double> hi = {},
+                  std::optional<double> limit = {}) {
+  if (!value || !(full > 0.0)) return "";
+  constexpr double kWidth = 150.0;
+  const auto at = [full](double v) { return kWidth * std::clamp(v / full, 0.0, 1.0); };
+  char shapes[400];
+  std::snprintf(shapes, sizeof shapes,
+                "<rect class=\"track\" width=\"%g\" height=\"9\" rx=\"2\"/><rect class=\"%s\" "
+                "width=\"%.1f\" height=\"9\" rx=\"2\"/>",
+                kWidth, css, at(*value));
+  std::string svg = shapes;
+  if (lo && hi) {
+    std::snprintf(shapes, sizeof shapes,
+                  "<path class=\"whisker\" d=\"M%.1f 4.5H%.1fM%.1f 1.5v6M%.1f 1.5v6\"/>", at(*lo),
+                  at(*hi), at(*lo), at(*hi));
+    svg += shapes;
+  }
+  if (limit) {
+    std::snprintf(shapes, sizeof shapes, "<path class=\"limit\" d=\"M%.1f 0v9\"/>", at(*limit));
+    svg += shapes;
+  }
+  return "<svg class=\"meter\" width=\"150\" height=\"9\" viewBox=\"0 0 150 9\" "
+         "aria-hidden=\"true\">" +
+         svg + "</svg>";
+}
+
+std::string cell(const std::string& html) {
+  return "<td>" + html + "</td>";
+}
+std::string number_cell(const std::string& html) {
+  return "<td class=\"n\">" + html + "</td>";
+}
+
+std::string panel(const std::string& anchor, const std::string& title, const std::string& note,
+                  const std::string& head, const std::string& rows) {
+  if (rows.empty()) return "";
+  return "<section id=\"" + anchor + "\">\n<h2>" + title + "</h2>\n" +
+         (note.empty() ? "" : "<p class=\"soft\">" + note + "</p>\n") +
+         "<div class=\"panel\"><table>\n<thead><tr>" + head + "</tr></thead>\n<tbody>\n" + rows +
+         "</tbody>\n</table></div>\n</section>\n";
+}
+
+std::string before_after(const Json& object, const char* before, const char* after) {
+  const std::optional<double> first = number(object, before);
+  const std::optional<double> last = number(object, after);
+  if (!first && !last) return percent({});
+  if (!first) return percent(last);
+  return percent(first) + kArrow + percent(last);
+}
+
+/// A value that may be any JSON, as short text.
+std::string plain(const Json& value) {
+  if (value.is_string()) return escape_html(text(value));
+  if (value.is_number()) return significant(number(value));
+  if (value.is_null()) return percent({});
+  return escape_html(value.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+std::string next_protocol_html(const Json& next) {
+  if (!next.is_object()) return "";
+  std::string html =
+      "<div class=\"next\"><strong>Next capture: " + escape_html(effect_words(text(next, "name"))) +
+      ".</strong> " + escape_html(text(next, "words"));
+  const Json& phases = list(next, "phases");
+  if (!phases.empty()) {
+    html += "<ol>";
+    for (const Json& phase : phases) {
+      std::string words = text(phase, "words");
+      if (words.empty()) words = text(phase, "kind");
+      html += "<li>" + escape_html(words) + "</li>";
+    }
+    html += "</ol>";
+  }
+  return html + "</div>";
+}
+
+std::string definitions(const Json& object) {
+  if (!object.is_object() || object.empty()) return "";
+  std::string html = "<dl>";
+  for (const auto& [key, value] : object.items())
+    html += "<dt>" + escape_html(effect_words(key)) + "</dt><dd>" + plain(value) + "</dd>";
+  return html + "</dl>";
+}
+
+std::string card(const std::string& name, const std::string& value, const std::string& note) {
+  return "<div class=\"card\"><div class=\"name\">" + name + "</div><div class=\"value\">" + value +
+         "</div><div class=\"note\">" + note + "</div></div>\n";
+}
+
+std::string change_card(const Json& result, const std::string& name, const char* before,
+                        const char* after, const char* r2_before, const char* r2_after,
+                        const std::string& otherwise) {
+  const std::optional<double> first = number(result, before);
+  const std::optional<double> last = number(result, after);
+  if (!first && !last) return card(name, percent({}), otherwise);
+  std::string value;
+  if (first && last)
+    value = "<span class=\"from\">" + percent(first) + kArrow + "</span>" + percent(last);
+  else
+    value = percent(first ? first : last);
+  std::string note;
+  const std::optional<double> r2_first = number(result, r2_before);
+  const std::optional<double> r2_last = number(result, r2_after);
+  if (r2_first && r2_last)
+    note = "R\u00b2 " + significant(*r2_first) + kArrow + significant(*r2_last);
+  else if (r2_last)
+    note = "R\u00b2 " + significant(*r2_last);
+  return card(name, value, note);
+}
+
+}  // namespace
+
+std::string summary_cards(const Json& result) {
+  std::string sources;
+  for (const Json& capture : list(result, "captures")) {
+    const std::string source = text(capture, "noise_source");
+    if (!source.empty() && sources.find(source) == std::string::npos)
+      sources += (sources.empty() ? "from " : ", ") + source;
+  }
+  const bool diagnosis = text(result, "kind") == "diagnose";
+  std::string html = "<div class=\"cards\">\n";
+  html += change_card(result, diagnosis ? "Error, baseline \u2192 extended model" : "Error",
+                      "error_before", "error_after", "r2_before", "r2_after", "not computed");
+  html +=
+      change_card(result, "Error on what the fit never saw", "held_out_before", "held_out_after",
+                  "held_out_r2_before", "held_out_r2_after", "nothing was left out");
+  html += card("Noise floor", percent(number(result, "noise_floor")), escape_html(sources));
+  if (diagnosis)
+    html += card("Unexplained", percent(number(result, "unexplained_share")),
+                 "of what the baseline missed");
+  return html + "</div>\n";
+}
+
+std::string verdict_table(const Json& result) {
+  double largest = 0.0;
+  for (const Json& entry : list(result, "verdicts"))
+    for (const std::optional<double>& value :
+         {number(entry, "size"),
+          list(entry, "interval").size() == 2 ? number(entry["interval"][1]) : std::nullopt})
+      largest = std::max(largest, value.value_or(0.0));
+  const double full = largest > 0.5 ? 1.0 : largest > 0.2 ? 0.5 : largest > 0.05 ? 0.2 : 0.05;
+
+  std::string rows;
+  for (const Json& entry : list(result, "verdicts")) {
+    const std::string effect = text(entry, "effect");
+    const Json& interval = list(entry, "interval");
+    const std::optional<double> lo = interval.size() == 2 ? number(interval[0]) : std::nullopt;
+    const std::optional<double> hi = interval.size() == 2 ? number(interval[1]) : std::nullopt;
+    std::string what;
+    if (!effect.empty())
+      what = "<div><span class=\"cause\">" + escape_html(effect_words(effect)) + "</span> <code>" +
+             escape_html(effect) + "</code></div>";
+    const std::string words = text(entry, "words");
+    if (!words.empty()) what += "<p>" + escape_html(words) + "</p>";
+    std::vector<std::string> others;
+    for (const Json& other : list(entry, "alternatives"))
+      others.push_back(escape_html(effect_words(text(other))));
+    if (!others.empty())
+      what += "<p class=\"soft\">Could also be " + joined(others, "or") + ".</p>";
+    what += next_protocol_html(member(entry, "next_protocol"));
+    const std::string evidence = definitions(member(entry, "evidence"));
+    if (!evidence.empty()) what += "<details><summary>Evidence</summary>" + evidence + "</details>";
+    const std::string range = percent_interval(lo, hi);
+    rows += "<tr>" + cell(verdict_badge(text(entry, "verdict"))) + cell(what) +
+            cell("<span class=\"cause\">" + percent(number(entry, "size")) + "</span>" +
+                 (range.empty() ? "" : " <span class=\"soft\">" + range + "</span>") +
+                 meter(number(entry, "size"), full, "full", lo, hi)) +
+            number_cell(escape_html(p_value(number(entry, "p_value")))) + "</tr>\n";
+  }
+  if (rows.empty()) return "";
+  return "<section id=\"verdicts\">\n<div class=\"panel\"><table>\n<thead><tr><th>Verdict</th><th>"
+         "Finding</th><th>Share of the force (95 % interval)</th><th class=\"n\">Chance</th></tr>"
+         "</thead>\n<tbody>\n" +
+         rows + "</tbody>\n</table></div>\n</section>\n";
+}
+
+std::string capture_table(const Json& result) {
+  std::string rows;
+  for (const Json& capture : list(result, "captures")) {
+    std::string title = escape_html(text(capture, "title"));
+    if (flag(capture, "synthetic")) title += " " + badge("synthetic", "SYNTHETIC");
+    std::string origin;
+    for (const char* key : {"specimen", "material"})
+      if (!text(capture, key).empty())
+        origin += (origin.empty() ? "" : ", ") + escape_html(text(capture, key));
+    const std::string licence = text(capture, "licence");
+    const std::string source = text(capture, "source");
+    if (!source.empty()) origin += (origin.empty() ? "" : "; ") + escape_html(source);
+    origin += (origin.empty() ? "" : "; ") +
+              (licence.empty() ? "licence not stated" : "licence " + escape_html(licence));
+    title += "<div class=\"soft over\">" + origin + "</div><code>" +
+             escape_html(text(capture, "id").substr(0, 16)) + "</code>";
+    std::string noise = percent(number(capture, "noise_floor"));
+    if (!text(capture, "noise_source").empty())
+      noise += "<div class=\"soft over\">" + escape_html(text(capture, "noise_source")) + "</div>";
+    rows += "<tr>" + cell(title) + number_cell(plain(member(capture, "frames"))) +
+            number_cell(plain(member(capture, "blocks"))) + number_cell(noise) +
+            number_cell(before_after(capture, "error_before", "error_after")) +
+            number_cell(before_after(capture, "held_out_before", "held_out_after")) + "</tr>\n";
+  }
+  return panel(
+      "captures", "Captures", "",
+      "<th>Capture</th><th class=\"n\">Frames</th><th class=\"n\">Blocks</th><th "
+      "class=\"n\">Noise floor</th><th class=\"n\">Error</th><th class=\"n\">Held out</th>",
+      rows);
+}
+
+std::string parameter_table(const Json& result) {
+  std::string rows;
+  for (const Json& entry : list(result, "parameters")) {
+    const std::string state = text(entry, "state");
+    const Json& interval = list(entry, "interval");
+    std::string range = percent({});
+    if (interval.size() == 2)
+      range = significant(number(interval[0])) + " to " + significant(number(interval[1]));
+    const std::optional<double> value = number(entry, "value");
+    const std::optional<double> error = number(entry, "std_error");
+    std::string relative = percent({});
+    if (value && error && *value != 0.0) relative = percent(std::abs(*error / *value));
+    const std::string css = state == "free"                     ? "good"
+                            : state == "fixed" || state.empty() ? "plain"
+                                                                : "warn";
+    const std::string unit = text(entry, "unit");
+    rows += "<tr>" + cell("<code>" + escape_html(text(entry, "name")) + "</code>") +
+            number_cell(significant(value)) + cell(unit == "1" ? "" : escape_html(unit)) +
+            number_cell(range) + number_cell(relative) +
+            cell(state.empty() ? "" : badge(css, verdict_words(state))) + "</tr>\n";
+  }
+  return panel("parameters", "Parameters", "Of the final model, with 95 % intervals.",
+               "<th>Parameter</th><th class=\"n\">Value</th><th>Unit</th><th class=\"n\">Interval"
+               "</th><th class=\"n\">Standard error</th><th>State</th>",
+               rows);
+}
+
+std::string path_table(const Json& result) {
+  double largest = 0.0;
+  for (const Json& step : list(result, "path"))
+    largest = std::max(
+        {largest, number(step, "error").value_or(0.0), number(step, "held_out").value_or(0.0)});
+  const std::optional<double> floor = number(result, "noise_floor");
+  std::string rows;
+  int index = 0;
+  for (const Json& step : list(result, "path")) {
+    const std::string action = text(step, "action");
+    const std::string effect = text(step, "effect");
+    const std::string css = action == "add"      ? "good"
+                            : action == "reject" ? "warn"
+                            : action == "drop"   ? "bad"
+                                                 : "plain";
+    std::string what = badge(css, action);
+    if (!effect.empty())
+      what += " <span class=\"cause\">" + escape_html(effect_words(effect)) + "</span>";
+    if (!text(step, "why").empty())
+      what += "<div class=\"soft\">" + escape_html(text(step, "why")) + "</div>";
+    const char* bar = action == "start" ? "old" : "full";
+    rows += "<tr>" + number_cell(std::to_string(++index)) + cell(what) +
+            cell(percent(number(step, "error")) +
+                 meter(number(step, "error"), largest, bar, {}, {}, floor)) +
+            cell(percent(number(step, "held_out")) +
+                 meter(number(step, "held_out"), largest, bar, {}, {}, floor)) +
+            number_cell(plain(member(step, "parameters"))) +
+            number_cell(significant(number(step, "bic"))) +
+            number_cell(escape_html(p_value(number(step, "p_value")))) + "</tr>\n";
+  }
+  return panel("path", "How the model grew",
+               "One effect at a time, in this order. The dashed mark is the noise floor.",
+               "<th class=\"n\">Step</th><th>What was tried</th><th>Error</th><th>Held out</th><th "
+               "class=\"n\">Parameters</th><th class=\"n\">BIC</th><th class=\"n\">Chance</th>",
+               rows);
+}
+
+std::string screen_table(const Json& result) {
+  double largest = 1.0;
+  for (const Json& entry : list(result, "screen"))
+    largest = std::max(largest, number(entry, "ratio").value_or(0.0));
+  std::string rows;
+  for (const Json& entry : list(result, "screen")) {
+    const std::string effect = text(entry, "effect");
+    const std::optional<double> ratio = number(entry, "ratio");
+    rows +=
+        "<tr>" + cell("<span class=\"cause\">" + escape_html(effect_words(effect)) + "</span>") +
+        cell(ratio ? significant(ratio) +
+                         meter(ratio, largest, *ratio >= 1.0 ? "full" : "old", {}, {}, 1.0)
+                   : percent({})) +
+        number_cell(significant(number(entry, "gain"))) + number_cell(plain(member(entry, "df"))) +
+        cell("<span class=\"soft\">" + escape_html(text(entry, "status")) + "</span>") + "</tr>\n";
+  }
+  return panel("screen", "Every cause, screened",
+               "Expected gain of each effect without a refit. The ratio is the statistic over the "
+               "largest that noise alone reaches in 95 % of null twins (dashed mark at 1).",
+               "<th>Effect</th><th>Ratio to the threshold</th><th class=\"n\">Expected fall of "
+               "\u03c7\u00b2</th><th class=\"n\">Degrees of freedom</th><th>Status</th>",
+               rows);
+}
+
+std::string checklist_table(const Json& result) {
+  std::string rows;
+  for (const char* level : {"ERROR", "WARNING", "OK"})
+    for (const Json& entry : list(result, "checklist")) {
+      if (text(entry, "level") != level) continue;
+      const std::string css = level[0] == 'O' ? "good" : level[0] == 'W' ? "warn" : "bad";
+      rows += "<tr>" + cell(badge(css, level)) +
+              cell("<span class=\"cause\">" + escape_html(text(entry, "what")) + "</span>") +
+              "<td class=\"wide\"><span class=\"soft\">" + escape_html(text(entry, "why")) +
+              "</span></td></tr>\n";
+    }
+  return panel("checklist", "Checklist", "", "<th>Level</th><th>What</th><th>Why</th>", rows);
+}
+
+std::string model_table(const Json& result) {
+  const Json& model = member(result, "model");
+  std::string rows;
+  for (const Json& term : list(model, "terms")) {
+    const Json& strain = member(term, "strain");
+    std::string measure = "<code>" + escape_html(text(strain, "name")) + "</code>";
+    if (const std::optional<double> angle = number(strain, "angle_rad")) {
+      char degrees[40];
+      std::snprintf(degrees, sizeof degrees, " at %.4g\u00b0",
+                    *angle * 180.0 / 3.14159265358979323846);
+      measure += degrees;
+    }
+    const std::string effect = text(term, "effect");
+    rows += "<tr>" + cell("<code>" + escape_html(text(term, "id")) + "</code>") + cell(measure) +
+            cell("<code>" + escape_html(text(member(term, "law"), "name")) + "</code>") +
+            cell(effect.empty()
+                     ? "<span class=\"soft\">baseline</span>"
+                     : "<span class=\"cause\">" + escape_html(effect_words(effect)) + "</span>") +
+            "</tr>\n";
+  }
+  for (const Json& correction : list(model, "corrections"))
+    rows += "<tr>" + cell("<code>" + escape_html(text(correction, "id")) + "</code>") +
+            cell("<span class=\"soft\">sensor</span>") +
+            cell("<code>" + escape_html(text(correction, "type")) + "</code>") +
+            cell("<span class=\"cause\">" + escape_html(effect_words(text(correction, "effect"))) +
+                 "</span>") +
+            "</tr>\n";
+  return panel("model", "Model", escape_html(text(model, "description")),
+               "<th>Term</th><th>Strain measure</th><th>Law</th><th>Because of</th>", rows);
+}
+
+}  // namespace tenter::report

@@ -78,7 +78,8 @@ std::string legend_swatch(const std::string& css_class, PlotSeries::Mark mark) {
          "</svg>";
 }
 
-std::string figure_html(const Json& figure) {
+/// `heading` is HTML: the capture that the figure is of.
+std::string figure_html(const Json& figure, const std::string& heading) {
   const std::string kind = text(figure, "kind");
   const bool residual = kind.rfind("residual", 0) == 0;
   Plot plot;
@@ -116,12 +117,13 @@ std::string figure_html(const Json& figure) {
   }
   const std::string svg = render_svg(plot);
   if (svg.empty()) return "";
-  return "<figure>\n<figcaption><span>" + escape_html(plot.label) +
+  return "<figure>\n" + (heading.empty() ? "" : "<div class=\"over\">" + heading + "</div>\n") +
+         "<figcaption><span>" + escape_html(plot.label) +
          "</span><span class=\"readout\"></span></figcaption>\n" + svg + "<div class=\"keys\">" +
          keys + "</div>\n</figure>\n";
 }
 
-/// The figures of some kinds, capture after capture.
+/// The figures of some kinds, capture after capture in the order of the result's list.
 std::string section(const Json& result, const std::string& title, const std::string& anchor,
                     const std::string& note, const std::set<std::string>& kinds, bool all_others) {
   static const std::set<std::string> known = {"loop", "transverse", "residual_strain",
@@ -130,31 +132,24 @@ std::string section(const Json& result, const std::string& title, const std::str
     const std::string kind = text(figure, "kind");
     return all_others ? known.count(kind) == 0 : kinds.count(kind) == 1;
   };
-  std::vector<std::pair<std::string, const Json*>> captures;  // id, entry
-  for (const Json& capture : list(result, "captures"))
-    captures.emplace_back(text(capture, "id"), &capture);
-  for (const Json& figure : list(result, "figures")) {
-    bool found = false;
-    for (const auto& [id, entry] : captures) found = found || id == text(figure, "capture");
-    if (!found) captures.emplace_back(text(figure, "capture"), nullptr);
-  }
-
-  std::string html;
-  for (const auto& [id, entry] : captures) {
-    std::string figures;
+  const Json& captures = list(result, "captures");
+  std::set<std::string> listed;
+  std::string figures;
+  for (const Json& capture : captures) {
+    const std::string id = text(capture, "id");
+    listed.insert(id);
+    std::string heading = escape_html(text(capture, "title"));
+    if (flag(capture, "synthetic")) heading += " <span class=\"badge synthetic\">SYNTHETIC</span>";
     for (const Json& figure : list(result, "figures"))
-      if (text(figure, "capture") == id && wanted(figure)) figures += figure_html(figure);
-    if (figures.empty()) continue;
-    if (entry != nullptr) {
-      html += "<h3>" + escape_html(text(*entry, "title"));
-      if (flag(*entry, "synthetic")) html += " <span class=\"badge synthetic\">SYNTHETIC</span>";
-      html += "</h3>\n";
-    }
-    html += "<div class=\"figures\">\n" + figures + "</div>\n";
+      if (text(figure, "capture") == id && wanted(figure)) figures += figure_html(figure, heading);
   }
-  if (html.empty()) return "";
-  return "<section id=\"" + anchor + "\">\n<h2>" + title + "</h2>\n<p class=\"soft\">" + note +
-         "</p>\n" + html + "</section>\n";
+  for (const Json& figure : list(result, "figures"))
+    if (listed.count(text(figure, "capture")) == 0 && wanted(figure))
+      figures += figure_html(figure, "");
+  if (figures.empty()) return "";
+  return "<section id=\"" + anchor + "\">\n<h2>" + title + "</h2>\n" +
+         (note.empty() ? "" : "<p class=\"soft\">" + note + "</p>\n") +
+         "<div class=\"figures\">\n" + figures + "</div>\n</section>\n";
 }
 
 }  // namespace

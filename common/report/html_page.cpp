@@ -28,23 +28,24 @@ constexpr std::string_view kStyle = R"css(
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--page); color: var(--ink);
   font: 15px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", "DejaVu Sans", sans-serif; }
-main { max-width: 1200px; margin: 0 auto; padding: 28px 24px 64px; }
+main { max-width: 1200px; margin: 0 auto; padding: 22px 24px 64px; }
 h1 { font-size: 27px; line-height: 1.25; font-weight: 650; letter-spacing: -0.01em; margin: 2px 0 6px; text-wrap: balance; }
 h2 { font-size: 18px; font-weight: 650; margin: 40px 0 10px; }
 h3 { font-size: 15px; font-weight: 600; margin: 22px 0 8px; }
-p { margin: 4px 0; max-width: 78ch; }
+p { margin: 3px 0; max-width: 78ch; }
 code { font: 12.5px/1.4 ui-monospace, "DejaVu Sans Mono", monospace; color: var(--soft); overflow-wrap: anywhere; }
 .over, .soft { color: var(--soft); }
 .over { font-size: 13px; }
 nav { display: flex; flex-wrap: wrap; gap: 4px 18px; font-size: 13px; margin-top: 8px; }
 a { color: var(--extended); text-decoration: none; }
 a:hover { text-decoration: underline; }
-.cards { display: grid; grid-template-columns: repeat(auto-fit, minmax(190px, 1fr)); gap: 12px; margin: 18px 0 14px; }
+.cards { display: grid; grid-template-columns: repeat(auto-fit, minmax(190px, 1fr)); gap: 12px; margin: 14px 0 12px; }
 .card { background: var(--card); border: 1px solid var(--rule); border-radius: 8px; padding: 11px 15px 12px; }
 .card .name { color: var(--soft); font-size: 13px; }
 .card .value { font-size: 23px; font-weight: 600; font-variant-numeric: tabular-nums; white-space: nowrap; }
 .card .value .from { color: var(--soft); font-weight: 400; font-size: 17px; }
 .card .note { color: var(--soft); font-size: 12.5px; }
+section > p + .panel { margin-top: 10px; }
 .panel { background: var(--card); border: 1px solid var(--rule); border-radius: 8px; overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; font-size: 14px; }
 th { text-align: left; font-weight: 600; font-size: 12.5px; color: var(--soft); padding: 9px 12px 7px; vertical-align: bottom;
@@ -53,19 +54,21 @@ td { padding: 8px 12px; vertical-align: top; border-bottom: 1px solid var(--rule
 tr:last-child > td { border-bottom: 0; }
 th.n, td.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 td.wide { width: 50%; }
+th.size { width: 190px; }
+#verdicts p { max-width: 88ch; }
 .badge { display: inline-block; font-size: 11px; font-weight: 650; letter-spacing: .04em; line-height: 1; padding: 4px 7px;
   border-radius: 4px; border: 1px solid currentColor; white-space: nowrap; color: var(--plain); }
 .badge.good { color: var(--good); } .badge.warn { color: var(--warn); } .badge.bad { color: var(--bad); }
 .badge.sensor { color: var(--sensor); } .badge.named { color: var(--card); background: var(--extended); border-color: var(--extended); }
 .badge.synthetic { color: var(--card); background: var(--sensor); border-color: var(--sensor); }
 .cause { font-weight: 600; }
-.next { border-left: 3px solid var(--rule); padding-left: 10px; margin-top: 6px; font-size: 13.5px; }
-.next ol { margin: 2px 0 0; padding-left: 20px; }
+.next { border-left: 3px solid var(--rule); padding-left: 10px; margin-top: 5px; }
+details ol { margin: 2px 0 0; padding-left: 20px; }
 details { font-size: 13.5px; margin-top: 4px; }
 summary { cursor: pointer; color: var(--soft); }
 dl { display: grid; grid-template-columns: max-content auto; gap: 1px 16px; margin: 4px 0; }
 dt { color: var(--soft); } dd { margin: 0; font-variant-numeric: tabular-nums; }
-.figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(520px, 100%), 1fr)); gap: 14px; }
+.figures { margin-top: 10px; display: grid; grid-template-columns: repeat(auto-fill, minmax(min(520px, 100%), 1fr)); gap: 14px; }
 figure { margin: 0; background: var(--card); border: 1px solid var(--rule); border-radius: 8px; padding: 11px 12px 10px; }
 figcaption { font-size: 13.5px; font-weight: 600; display: flex; justify-content: space-between; gap: 12px; }
 figcaption .readout { font-weight: 400; color: var(--soft); font-variant-numeric: tabular-nums; white-space: nowrap; }
@@ -97,7 +100,7 @@ svg .cursor { stroke: var(--soft); stroke-width: .7; stroke-dasharray: 2 3; poin
 .keys svg { width: 26px; height: 12px; }
 .meter { display: block; margin-top: 5px; }
 .meter .track { fill: var(--fill); } .meter .full { fill: var(--extended); } .meter .old { fill: var(--baseline); }
-.meter .whisker { stroke: var(--ink); stroke-width: 1.4; } .meter .limit { stroke: var(--bad); stroke-width: 1.4; stroke-dasharray: 2 2; }
+.meter .whisker { stroke: var(--ink); stroke-width: 1.4; } .meter .limit { stroke: var(--ink); stroke-width: 1.6; }
 footer { margin-top: 44px; color: var(--soft); font-size: 12.5px; }
 @media print { body { background: #fff; } .figures { grid-template-columns: 1fr 1fr; } .keys button { cursor: auto; } }
 )css";

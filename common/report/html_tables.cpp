@@ -91,20 +91,19 @@ std::string plain(const Json& value) {
 
 std::string next_protocol_html(const Json& next) {
   if (!next.is_object()) return "";
-  std::string html =
-      "<div class=\"next\"><strong>Next capture: " + escape_html(effect_words(text(next, "name"))) +
-      ".</strong> " + escape_html(text(next, "words"));
-  const Json& phases = list(next, "phases");
-  if (!phases.empty()) {
-    html += "<ol>";
-    for (const Json& phase : phases) {
-      std::string words = text(phase, "words");
-      if (words.empty()) words = text(phase, "kind");
-      html += "<li>" + escape_html(words) + "</li>";
-    }
-    html += "</ol>";
+  return "<div class=\"next\"><strong>Next capture: " +
+         escape_html(effect_words(text(next, "name"))) + ".</strong> " +
+         escape_html(text(next, "words")) + "</div>";
+}
+
+std::string phases_html(const Json& next) {
+  std::string html;
+  for (const Json& phase : list(next, "phases")) {
+    std::string words = text(phase, "words");
+    if (words.empty()) words = text(phase, "kind");
+    html += "<li>" + escape_html(words) + "</li>";
   }
-  return html + "</div>";
+  return html.empty() ? "" : "<ol>" + html + "</ol>";
 }
 
 std::string definitions(const Json& object) {
@@ -191,8 +190,12 @@ std::string verdict_table(const Json& result) {
     if (!others.empty())
       what += "<p class=\"soft\">Could also be " + joined(others, "or") + ".</p>";
     what += next_protocol_html(member(entry, "next_protocol"));
+    const std::string phases = phases_html(member(entry, "next_protocol"));
     const std::string evidence = definitions(member(entry, "evidence"));
-    if (!evidence.empty()) what += "<details><summary>Evidence</summary>" + evidence + "</details>";
+    if (!phases.empty() || !evidence.empty())
+      what += "<details><summary>" +
+              std::string(phases.empty() ? "Evidence" : "Steps and evidence") + "</summary>" +
+              phases + evidence + "</details>";
     const std::string range = percent_interval(lo, hi);
     rows += "<tr>" + cell(verdict_badge(text(entry, "verdict"))) + cell(what) +
             cell("<span class=\"cause\">" + percent(number(entry, "size")) + "</span>" +
@@ -202,7 +205,7 @@ std::string verdict_table(const Json& result) {
   }
   if (rows.empty()) return "";
   return "<section id=\"verdicts\">\n<div class=\"panel\"><table>\n<thead><tr><th>Verdict</th><th>"
-         "Finding</th><th>Share of the force (95 % interval)</th><th class=\"n\">Chance</th></tr>"
+         "Finding</th><th class=\"size\">Share of the force</th><th class=\"n\">Chance</th></tr>"
          "</thead>\n<tbody>\n" +
          rows + "</tbody>\n</table></div>\n</section>\n";
 }
@@ -221,8 +224,8 @@ std::string capture_table(const Json& result) {
     if (!source.empty()) origin += (origin.empty() ? "" : "; ") + escape_html(source);
     origin += (origin.empty() ? "" : "; ") +
               (licence.empty() ? "licence not stated" : "licence " + escape_html(licence));
-    title += "<div class=\"soft over\">" + origin + "</div><code>" +
-             escape_html(text(capture, "id").substr(0, 16)) + "</code>";
+    title += "<div class=\"soft over\">" + origin + "; <code>" +
+             escape_html(text(capture, "id").substr(0, 12)) + "</code></div>";
     std::string noise = percent(number(capture, "noise_floor"));
     if (!text(capture, "noise_source").empty())
       noise += "<div class=\"soft over\">" + escape_html(text(capture, "noise_source")) + "</div>";
@@ -296,7 +299,7 @@ std::string path_table(const Json& result) {
             number_cell(escape_html(p_value(number(step, "p_value")))) + "</tr>\n";
   }
   return panel("path", "How the model grew",
-               "One effect at a time, in this order. The dashed mark is the noise floor.",
+               "One effect at a time, in this order. The mark in the bars is the noise floor.",
                "<th class=\"n\">Step</th><th>What was tried</th><th>Error</th><th>Held out</th><th "
                "class=\"n\">Parameters</th><th class=\"n\">BIC</th><th class=\"n\">Chance</th>",
                rows);
@@ -318,12 +321,13 @@ std::string screen_table(const Json& result) {
         number_cell(significant(number(entry, "gain"))) + number_cell(plain(member(entry, "df"))) +
         cell("<span class=\"soft\">" + escape_html(text(entry, "status")) + "</span>") + "</tr>\n";
   }
-  return panel("screen", "Every cause, screened",
-               "Expected gain of each effect without a refit. The ratio is the statistic over the "
-               "largest that noise alone reaches in 95 % of null twins (dashed mark at 1).",
-               "<th>Effect</th><th>Ratio to the threshold</th><th class=\"n\">Expected fall of "
-               "\u03c7\u00b2</th><th class=\"n\">Degrees of freedom</th><th>Status</th>",
-               rows);
+  return panel(
+      "screen", "Every cause, screened",
+      "Expected gain of each effect without a refit. The ratio is the statistic over the "
+      "largest that noise alone reaches in 95 % of null twins (the mark in the bars, at 1).",
+      "<th>Effect</th><th>Ratio to the threshold</th><th class=\"n\">Expected fall of "
+      "\u03c7\u00b2</th><th class=\"n\">Degrees of freedom</th><th>Status</th>",
+      rows);
 }
 
 std::string checklist_table(const Json& result) {

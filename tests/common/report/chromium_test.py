@@ -160,9 +160,9 @@ def main():
 
     with Browser(dark=False) as browser:
         check_page(browser, page)
-        verdicts_end = browser.run(
-            "return document.querySelector('#verdicts tr').getBoundingClientRect().bottom")
-        check(verdicts_end < 900, f"the verdicts start below the first screen: {verdicts_end}")
+        first_screen = browser.run(
+            "return document.querySelector('#captures tbody tr').getBoundingClientRect().top")
+        check(first_screen < 900, f"the captures start below the first screen: {first_screen}")
         before, hidden, after = browser.run(TOGGLE)
         check(before == after == 5 and hidden == 0, f"legend key: {before} {hidden} {after}")
         readout = browser.run(HOVER)

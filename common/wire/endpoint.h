@@ -23,6 +23,19 @@
 #include "common/wire/topics.h"
 #include "common/wire/uuid.h"
 
+// the generated types; tenter_v1.h where they are used
+namespace tenter::wire::v1 {
+class Server;
+class Presence;
+class Request;
+class Reply;
+class JobState;
+class JobEvent;
+class FitProgress;
+class Chunk;
+class ChunkAck;
+}  // namespace tenter::wire::v1
+
 namespace tenter::wire {
 
 /// Runs when a remote endpoint on the same topic came (true) or went.

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/service/job_publisher.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/wire/validate.h"
+
+namespace tenter::service {
+
+namespace v1 = wire::v1;
+
+namespace {
+
+constexpr auto kKeepEnded = std::chrono::seconds(60);
+constexpr std::size_t kMostPublished = wire::kMaxJobInstances - 256;
+constexpr int kMostAtStart = 1000;
+
+v1::JobPhase phase_of(jobs::JobState state) {
+  switch (state) {
+    case jobs::JobState::queued:
+      return v1::QUEUED;
+    case jobs::JobState::running:
+      return v1::RUNNING;
+    case jobs::JobState::succeeded:
+      return v1::SUCCEEDED;
+    case jobs::JobState::failed:
+      return v1::FAILED;
+    case jobs::JobState::cancelled:
+      return v1::CANCELLED;
+  }
+  return v1::FAILED;
+}
+
+std::uint32_t attempt_of(const jobs::JobEvent& event) {
+  return static_cast<std::uint32_t>(std::max(event.attempt, 0));
+}
+
+}  // namespace
+
+JobPublisher::JobPublisher(const Context& context, const jobs::JobService& jobs)
+    : context_(context),
+      states_(context.participant, wire::job_state_topic(), {}, context.epoch),
+      events_(context.participant, wire::job_event_topic(), {}, context.epoch),
+      progress_(context.participant, wire::fit_progress_topic(), {}, context.epoch) {
+  for (const auto state : {jobs::JobState::running, jobs::JobState::queued}) {
+    jobs::JobFilter filter;
+    filter.state = state;
+    filter.limit = kMostAtStart;
+    auto page = jobs.list(filter);
+    if (!page) continue;
+    for (const jobs::JobRecord& job : page->jobs) {
+      jobs::JobEvent now;
+      now.job = job.id;
+      now.number = job.revision;
+      now.message = job.message;
+      now.state = job.state;
+      now.attempt = job.attempt;
+      now.user = job.user;
+      context.participant.loop().run([&] { publish_state(now); });
+    }
+  }
+}
+
+JobPublisher::~JobPublisher() = default;
+
+void JobPublisher::publish(const jobs::JobEvent& event) {
+  context_.participant.loop().post([this, event] {
+    if (event.what == "progress") return publish_progress(event);
+    publish_state(event);
+    publish_event(event);
+  });
+}
+
+void JobPublisher::publish_state(const jobs::JobEvent& event) {
+  if (event.state == jobs::JobState::running) {
+    Running& run = running_[event.job];
+    if (run.attempt != event.attempt) run = {event.attempt, Clock::now()};
+  } else {
+    running_.erase(event.job);
+  }
+  while (published_.size() >= kMostPublished && !ended_.empty()) {
+    let_go(ended_.front().second);
+    ended_.pop_front();
+  }
+  if (published_.size() >= kMostPublished && published_.count(event.job) == 0) return;
+
+  v1::JobState sample;
+  sample.server_id(context_.server_id);
+  sample.job_id(event.job);
+  sample.revision(static_cast<std::uint64_t>(event.number));
+  sample.phase(phase_of(event.state));
+  sample.attempt(attempt_of(event));
+  sample.user(event.user);
+  sample.message(wire::clean_text(event.message, v1::MAX_TEXT));
+  if (auto sent = states_.write(sample); !sent)
+    return context_.log(Level::warning, sent.error().message);
+  published_.insert(event.job);
+  std::erase_if(ended_, [&](const auto& entry) { return entry.second == event.job; });
+  if (jobs::is_final(event.state)) ended_.emplace_back(Clock::now(), event.job);
+}
+
+void JobPublisher::publish_event(const jobs::JobEvent& event) {
+  v1::JobEvent sample;
+  sample.server_id(context_.server_id);
+  sample.job_id(event.job);
+  sample.number(static_cast<std::uint64_t>(event.number));
+  sample.time_ms(event.time_ms);
+  sample.phase(phase_of(event.state));
+  sample.attempt(attempt_of(event));
+  sample.kind(wire::clean_text(event.what, v1::MAX_NAME));
+  sample.text(wire::clean_text(event.message, v1::MAX_TEXT));
+  if (auto sent = events_.write(sample); !sent) context_.log(Level::warning, sent.error().message);
+  if (jobs::is_final(event.state)) {
+    events_.unregister(sample);
+    if (with_progress_.erase(event.job) > 0) {
+      v1::FitProgress key;
+      key.server_id(context_.server_id);
+      key.job_id(event.job);
+      progress_.dispose(key);
+    }
+  }
+}
+
+void JobPublisher::publish_progress(const jobs::JobEvent& event) {
+  if (!event.progress) return;
+  const auto run = running_.find(event.job);
+  const jobs::JobProgress& now = *event.progress;
+  v1::FitProgress sample;
+  sample.server_id(context_.server_id);
+  sample.job_id(event.job);
+  sample.attempt(attempt_of(event));
+  sample.stage(wire::clean_text(now.stage, v1::MAX_NAME));
+  sample.detail(wire::clean_text(now.detail, v1::MAX_TEXT));
+  sample.iteration(std::max(now.iteration, -1));
+  sample.cost(std::isnan(now.cost) ? 0.0 : now.cost);
+  sample.fraction(std::isnan(now.fraction) ? -1.0 : std::clamp(now.fraction, -1.0, 1.0));
+  sample.elapsed_s(run == running_.end()
+                       ? 0.0
+                       : std::chrono::duration<double>(Clock::now() - run->second.since).count());
+  if (auto sent = progress_.write(sample); !sent)
+    return context_.log(Level::warning, sent.error().message);
+  with_progress_.insert(event.job);
+}
+
+void JobPublisher::let_go(jobs::JobId job) {
+  if (published_.erase(job) == 0) return;
+  v1::JobState key;
+  key.server_id(context_.server_id);
+  key.job_id(job);
+  states_.dispose(key);
+}
+
+void JobPublisher::tidy() {
+  const auto now = Clock::now();
+  while (!ended_.empty() && now - ended_.front().first > kKeepEnded) {
+    let_go(ended_.front().second);
+    ended_.pop_front();
+  }
+}
+
+}  // namespace tenter::service

@@ -15,6 +15,7 @@
 namespace tenter::jobs {
 namespace {
 
+constexpr std::uint64_t kLeastMemory = 64u << 20;
 constexpr int kMaxPage = 1000;
 constexpr std::size_t kMaxDependencies = 64;
 constexpr std::int64_t kKeepRequestsMs = 24 * 3600 * 1000;
@@ -34,9 +35,9 @@ void check_request(const SubmitRequest& request, const QueueConfig& config) {
         std::to_string(config.max_time_limit_s) + " s");
   }
   const auto memory = request.memory_limit_bytes.value_or(config.default_memory_limit_bytes);
-  if (memory < (1u << 20) || memory > config.max_memory_limit_bytes) {
-    bad("the memory limit of " + std::to_string(memory) + " bytes is not between 1048576 and " +
-        std::to_string(config.max_memory_limit_bytes));
+  if (memory < kLeastMemory || memory > config.max_memory_limit_bytes) {
+    bad("the memory limit of " + std::to_string(memory) + " bytes is not between " +
+        std::to_string(kLeastMemory) + " and " + std::to_string(config.max_memory_limit_bytes));
   }
   const int attempts = request.max_attempts.value_or(config.max_attempts);
   if (attempts < 1 || attempts > 10) {

@@ -116,7 +116,9 @@ class Queue {
     CaptureRecord capture;
     bool created = false;
   };
-  Expected<CaptureAdded> add_capture(CaptureRecord capture);
+  /// `transfer`: the upload that brought it; committed_transfer() tells its end to who asks again.
+  Expected<CaptureAdded> add_capture(CaptureRecord capture, const std::string& transfer = "");
+  Expected<std::optional<std::string>> committed_transfer(const std::string& transfer) const;
   Expected<CapturePage> captures(const CaptureFilter& filter) const;
   Expected<CaptureRecord> capture(const std::string& sha256) const;
   Expected<StoredResult> stored_result(JobId job) const;

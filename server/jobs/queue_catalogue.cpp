@@ -30,14 +30,25 @@ std::optional<CaptureRecord> find_capture(const Database& db, const std::string&
 
 }  // namespace
 
-Expected<Queue::CaptureAdded> Queue::add_capture(CaptureRecord capture) {
+Expected<Queue::CaptureAdded> Queue::add_capture(CaptureRecord capture,
+                                                 const std::string& transfer) {
   return as_expected([&]() -> Expected<CaptureAdded> {
     if (!is_sha256(capture.sha256)) return bad_input("'" + capture.sha256 + "' is not a SHA-256");
     if (!is_user_name(capture.user))
       return bad_input("'" + capture.user.substr(0, 80) + "' is not a user name");
     Change change(*this);
-    if (auto known = find_capture(change.db(), capture.sha256))
+    if (!transfer.empty()) {
+      change.db()
+          .prepare("INSERT OR REPLACE INTO requests VALUES('', ?, 'upload', '', ?, ?)")
+          .bind(1, std::string_view(transfer))
+          .bind(2, std::string_view(capture.sha256))
+          .bind(3, change.now_ms())
+          .run();
+    }
+    if (auto known = find_capture(change.db(), capture.sha256)) {
+      change.commit();
       return CaptureAdded{*std::move(known), false};
+    }
     capture.created_ms = change.now_ms();
     change.db()
         .prepare(
@@ -53,6 +64,16 @@ Expected<Queue::CaptureAdded> Queue::add_capture(CaptureRecord capture) {
         .run();
     change.commit();
     return CaptureAdded{std::move(capture), true};
+  });
+}
+
+Expected<std::optional<std::string>> Queue::committed_transfer(const std::string& transfer) const {
+  return as_expected([&]() -> Expected<std::optional<std::string>> {
+    const std::lock_guard lock(read_mutex_);
+    Statement find = reader_->prepare(
+        "SELECT reply FROM requests WHERE user = '' AND request_id = ? AND operation = 'upload'");
+    if (!find.bind(1, std::string_view(transfer)).step()) return std::nullopt;
+    return find.text(0);
   });
 }
 

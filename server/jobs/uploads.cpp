@@ -405,11 +405,13 @@ Expected<void> Uploads::drop(const std::string& transfer) {
   return {};
 }
 
-std::uint64_t Uploads::pending_bytes(const std::string& user) const {
+std::uint64_t Uploads::pending_bytes(const std::string& user,
+                                     const std::string& except_sha256) const {
   const std::lock_guard lock(mutex_);
   std::uint64_t sum = 0;
   for (const auto& [name, transfer] : transfers_) {
-    if (transfer->request().user == user) sum += transfer->request().size_bytes;
+    if (transfer->request().user == user && transfer->request().sha256 != except_sha256)
+      sum += transfer->request().size_bytes;
   }
   return sum;
 }

@@ -73,8 +73,8 @@ class Uploads {
   Expected<Finished> finish(const std::string& transfer);
   Expected<void> drop(const std::string& transfer);
 
-  /// Bytes promised to open transfers of this user.
-  std::uint64_t pending_bytes(const std::string& user) const;
+  /// Bytes promised to open transfers of this user, that of `except_sha256` not counted.
+  std::uint64_t pending_bytes(const std::string& user, const std::string& except_sha256 = "") const;
 
  private:
   class Transfer;

@@ -63,6 +63,10 @@ void stretch_u(const Vector3d& c, double, StrainValue& out) {
 void stretch_v(const Vector3d& c, double, StrainValue& out) {
   stretch_minus_one(c, {0.0, 1.0, 0.0}, 0, out);
 }
+void soft_pair(const Vector3d& c, double, StrainValue& out) {
+  stretch_minus_one(c, {1.0, 0.0, 0.0}, 0, out);
+  stretch_minus_one(c, {0.0, 1.0, 0.0}, 1, out);
+}
 void spring_d1(const Vector3d& c, double, StrainValue& out) {
   stretch_minus_one(c, direction(kDiagonal), 0, out);
 }
@@ -112,7 +116,7 @@ constexpr Row kRows[] = {
     {"spring_d1", 1, spring_d1},     {"spring_d2", 1, spring_d2},
     {"fibre", 1, fibre},             {"fibre_pair", 2, fibre_pair},
     {"green_fibre", 1, green_fibre}, {"green_fibre_pair", 2, green_fibre_pair},
-    {"area", 1, area},
+    {"soft_pair", 2, soft_pair},     {"area", 1, area},
 };
 
 }  // namespace

@@ -20,9 +20,9 @@ using LawPointer = std::shared_ptr<const Law>;
 template <SplineLaw::Form kForm>
 LawPointer make_spline(const model::Law& d, int strains) {
   const int points = static_cast<int>(d.parameters.size());
-  if (strains != 1 || points < 1 || points > kMaxLawParameters) return nullptr;
+  if (points < 1 || points > kMaxLawParameters) return nullptr;
   if (points > 1 && !(d.range_hi > d.range_lo)) return nullptr;
-  return std::make_shared<SplineLaw>(kForm, points, d.range_lo, d.range_hi);
+  return std::make_shared<SplineLaw>(kForm, strains, points, d.range_lo, d.range_hi);
 }
 
 /// Laws of one strain only.

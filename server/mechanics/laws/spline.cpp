@@ -33,8 +33,8 @@ double bspline_value(int basis, int degree, int intervals, double x) {
 
 }  // namespace
 
-SplineLaw::SplineLaw(Form form, int points, double range_lo, double range_hi)
-    : Law(1, points, 0), form_(form), points_(points), intervals_(1), lo_(range_lo), width_(1.0) {
+SplineLaw::SplineLaw(Form form, int strains, int points, double range_lo, double range_hi)
+    : Law(strains, points, 0), form_(form), points_(points), intervals_(1), lo_(range_lo), width_(1.0) {
   if (points == 1) {
     pieces_.resize(1);
     pieces_[0].c[0] = 1.0;
@@ -160,22 +160,24 @@ SplineLaw::Basis SplineLaw::evaluate_basis(int basis, double strain) const {
 }
 
 void SplineLaw::evaluate(const LawInput& in, LawOutput& out) const {
-  const double e = in.strain[0];
-  for (int j = 0; j < points_; ++j) {
-    const Basis b = evaluate_basis(j, e);
-    const double p = in.parameters[j];
-    double stress_by_p = 0.0;
-    if (form_ == Form::convex) {
-      stress_by_p = b.moment[0];
-      out.energy += p * (e * b.moment[0] - b.moment[1]);
-      out.tangent[0][0] += p * b.value;
-    } else {
-      stress_by_p = b.value * e;
-      out.energy += p * b.moment[1];
-      out.tangent[0][0] += p * (b.value + b.slope * e);
+  for (int i = 0; i < strain_count(); ++i) {
+    const double e = in.strain[i];
+    for (int j = 0; j < points_; ++j) {
+      const Basis b = evaluate_basis(j, e);
+      const double p = in.parameters[j];
+      double stress_by_p = 0.0;
+      if (form_ == Form::convex) {
+        stress_by_p = b.moment[0];
+        out.energy += p * (e * b.moment[0] - b.moment[1]);
+        out.tangent[i][i] += p * b.value;
+      } else {
+        stress_by_p = b.value * e;
+        out.energy += p * b.moment[1];
+        out.tangent[i][i] += p * (b.value + b.slope * e);
+      }
+      out.stress[i] += p * stress_by_p;
+      out.stress_by_parameter[i][j] = stress_by_p;
     }
-    out.stress[0] += p * stress_by_p;
-    out.stress_by_parameter[0][j] = stress_by_p;
   }
 }
 

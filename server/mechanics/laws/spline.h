@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Spline laws of one strain; all are linear in their parameters.
+// Spline laws, the same curve on each strain of the measure; all are linear in their parameters.
 //
 //   hermite_stiffness  sigma = k(eps) eps, k a cubic Hermite spline through n control points (thesis 3.3.2), the energy
 //                      its closed-form integral; one point is the linear law
@@ -17,7 +17,7 @@ class SplineLaw final : public Law {
  public:
   enum class Form { hermite_stiffness, bspline_stiffness, convex };
   /// range_lo < range_hi unless points == 1.
-  SplineLaw(Form form, int points, double range_lo, double range_hi);
+  SplineLaw(Form form, int strains, int points, double range_lo, double range_hi);
   void evaluate(const LawInput& in, LawOutput& out) const override;
 
  private:

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The catalogue of effects: one row each, in the order of the design table.
+#include "server/diagnosis/effects/effects.h"
+
+namespace tenter::diagnosis {
+
+const std::vector<Effect>& catalogue() {
+  static const std::vector<Effect> rows = {
+      nonlinear_stiffness(), anisotropy(),       poisson_coupling(),      internal_friction(),
+      strain_dependent_friction(), viscosity(),  plastic_set(),           first_cycle_softening(),
+      load_cell_offset(),    load_cell_gain(),   load_cell_drift(),       clip_slip(),
+      force_camera_delay(),
+  };
+  return rows;
+}
+
+const Effect* find_effect(const std::string& id) {
+  for (const Effect& effect : catalogue())
+    if (effect.id == id) return &effect;
+  return nullptr;
+}
+
+}  // namespace tenter::diagnosis

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/diagnosis/diagnose.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <thread>
+
+#include "server/diagnosis/prepare.h"
+#include "server/diagnosis/score.h"
+#include "server/diagnosis/verdicts.h"
+
+namespace tenter::diagnosis {
+namespace {
+
+/// Runs task(0..count-1) on some threads; results are placed by index, so their order is that of the tasks.
+void parallel(int threads, int count, const std::function<void(int)>& task) {
+  if (threads <= 1 || count <= 1) {
+    for (int i = 0; i < count; ++i) task(i);
+    return;
+  }
+  std::atomic<int> next = 0;
+  std::vector<std::jthread> pool;
+  for (int t = 0; t < std::min(threads, count); ++t)
+    pool.emplace_back([&] {
+      for (int i = next++; i < count; i = next++) task(i);
+    });
+}
+
+/// The best few of a screen: at most two variants an effect, each at its best grid point, effects in order of ratio.
+std::vector<Candidate> shortlist(const Screen& screen, std::size_t effects, std::size_t variants_each) {
+  std::vector<Candidate> chosen;
+  std::map<const Effect*, std::set<std::string>> taken;
+  // by expected gain, less what that many columns take by chance; ratios only decide who is in at all
+  std::vector<const Candidate*> order;
+  for (const Candidate& c : screen.candidates)
+    if (c.ratio > 1.0) order.push_back(&c);
+  std::stable_sort(order.begin(), order.end(), [](const Candidate* a, const Candidate* b) {
+    return a->gain - 2.0 * a->df > b->gain - 2.0 * b->df;
+  });
+  for (const Candidate* c : order) {
+    auto& variants = taken[c->effect];
+    if (variants.contains(c->variant.words) || variants.size() >= variants_each) continue;
+    if (variants.empty() && taken.size() > effects) continue;
+    variants.insert(c->variant.words);
+    chosen.push_back(*c);
+  }
+  return chosen;
+}
+
+double criterion(const Trial& trial, int added_effects, double rows) {
+  return information(trial.fit.chi2, trial.parameters, added_effects, rows);
+}
+
+/// Refits the short list and judges it, best first, until one passes every gate. Trials keep the order of their
+/// criterion; the first of those that passed is the round's choice.
+std::vector<Trial> run_round(const std::vector<Candidate>& candidates, const Reference& current,
+                             const Diagnosis& d, int added_effects, const Control& control) {
+  std::vector<Trial> trials(candidates.size());
+  parallel(control.threads, static_cast<int>(candidates.size()), [&](int i) {
+    if (control.stop.stop_requested()) return;
+    trials[static_cast<std::size_t>(i)] = refit(candidates[static_cast<std::size_t>(i)], current.model, d.data);
+  });
+  std::erase_if(trials, [](const Trial& t) { return !t.fit.usable; });
+  double rows = current.fit.effective_rows;
+  for (const Trial& t : trials) rows = std::max(rows, t.fit.effective_rows);
+  std::stable_sort(trials.begin(), trials.end(), [&](const Trial& a, const Trial& b) {
+    return criterion(a, added_effects + 1, rows) < criterion(b, added_effects + 1, rows);
+  });
+  return trials;
+}
+
+struct Accepted {
+  Trial trial;
+  std::vector<Trial> rivals;  ///< other effects of the same round, best first
+};
+
+Reference reference_of(const Trial& trial) {
+  return {trial.model, trial.fit, trial.block_chi2};
+}
+
+PathStep step_of(const std::string& action, const std::string& effect, const std::string& why,
+                 const Reference& at, const Diagnosis& d) {
+  PathStep step;
+  step.action = action;
+  step.effect = effect;
+  step.why = why;
+  step.chi2 = at.fit.chi2;
+  step.error = score_of(*d.data, d.data->rows(), at.fit.residuals, -1).error;
+  step.parameters = free_count(at.model);
+  step.information = information(at.fit.chi2, step.parameters, 0, at.fit.effective_rows);
+  return step;
+}
+
+/// Forward: one effect at a time, the best that passes, until none does.
+std::vector<Accepted> go_forward(Diagnosis& d, Reference& current, const Request& request,
+                                 const Excitation& excitation, const Control& control) {
+  std::vector<Accepted> accepted;
+  for (int round = 0; round < request.options.max_effects; ++round) {
+    const double fraction = 0.1 + 0.7 * round / request.options.max_effects;
+    control.report({"screen", "round " + std::to_string(round + 1), round, current.fit.chi2, fraction});
+    ScreenOptions options;
+    options.null_twins = request.options.null_twins;
+    options.seed = request.options.seed + static_cast<unsigned long long>(round);
+    const Screen found = screen(current.model, current.fit, d.data, d.noise, excitation, options);
+    if (round == 0) d.first_screen = found;
+    const std::vector<Candidate> candidates = shortlist(found, 6, 2);
+    if (candidates.empty() || control.stop.stop_requested()) break;
+    control.report({"refit", candidates.front().effect->id, round, current.fit.chi2, fraction + 0.03});
+    std::vector<Trial> trials = run_round(candidates, current, d, static_cast<int>(accepted.size()), control);
+    std::size_t chosen = trials.size();
+    for (std::size_t i = 0; i < trials.size() && chosen == trials.size(); ++i) {
+      if (control.stop.stop_requested()) break;
+      control.report({"gates", trials[i].effect->id + ", " + trials[i].variant.words, round, trials[i].fit.chi2,
+                      fraction + 0.06});
+      judge(trials[i], current, d.data, found.expected_chi2);
+      if (trials[i].objections.empty()) {
+        chosen = i;
+      } else {
+        PathStep step = step_of("reject", trials[i].effect->id, trials[i].variant.words + ": " + trials[i].objections.front(),
+                                reference_of(trials[i]), d);
+        step.p_value = trials[i].p_value;
+        d.path.push_back(std::move(step));
+      }
+    }
+    if (chosen == trials.size()) break;
+    Accepted entry;
+    entry.trial = trials[chosen];
+    for (std::size_t i = 0; i < trials.size(); ++i)
+      if (i != chosen && trials[i].effect != entry.trial.effect) entry.rivals.push_back(trials[i]);
+    current = reference_of(entry.trial);
+    PathStep step = step_of("add", entry.trial.effect->id, entry.trial.variant.words, current, d);
+    step.p_value = entry.trial.p_value;
+    if (entry.trial.held_out_before > 0.0) step.held_out = entry.trial.held_out_after / entry.trial.held_out_before;
+    d.path.push_back(std::move(step));
+    accepted.push_back(std::move(entry));
+  }
+  return accepted;
+}
+
+std::optional<estimation::HeldOut> held_out(const Reference& at, const DataPointer& data,
+                                            const estimation::Folds& folds) {
+  auto evaluator = estimation::Evaluator::make(at.model, data);
+  if (!evaluator) return std::nullopt;
+  estimation::FitOptions options;
+  options.max_iterations = 40;
+  estimation::HeldOut result = estimation::cross_validate(*evaluator, at.model, folds, options);
+  if (!result.usable) return std::nullopt;
+  return result;
+}
+
+/// Scores of baseline and extended model, in sample and held out, in all and per capture.
+void measure_gain(Diagnosis& d, const Control& control) {
+  const auto rows = d.data->rows();
+  d.before = score_of(*d.data, rows, d.baseline.fit.residuals, -1);
+  d.after = score_of(*d.data, rows, d.extended.fit.residuals, -1);
+  d.noise_floor = noise_floor_of(*d.data, rows, d.noise, -1);
+  control.report({"held out", "", 0, d.extended.fit.chi2, 0.9});
+  const estimation::Folds folds = estimation::make_folds(*d.data, rows, d.extended.fit);
+  std::optional<estimation::HeldOut> before;
+  std::optional<estimation::HeldOut> after;
+  if (!folds.training.empty()) {
+    d.held_out_kind = folds.kind;
+    before = held_out(d.baseline, d.data, folds);
+    after = held_out(d.extended, d.data, folds);
+  }
+  if (before) d.held_out_before = score_of(*d.data, rows, before->residuals, -1);
+  if (after) d.held_out_after = score_of(*d.data, rows, after->residuals, -1);
+  for (int i = 0; i < static_cast<int>(d.curves.size()); ++i) {
+    CaptureScore score;
+    score.before = score_of(*d.data, rows, d.baseline.fit.residuals, i);
+    score.after = score_of(*d.data, rows, d.extended.fit.residuals, i);
+    score.noise_floor = noise_floor_of(*d.data, rows, d.noise, i);
+    if (before) score.held_out_before = score_of(*d.data, rows, before->residuals, i);
+    if (after) score.held_out_after = score_of(*d.data, rows, after->residuals, i);
+    d.captures.push_back(score);
+  }
+}
+
+}  // namespace
+
+Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
+  auto prepared = prepare(request, control);
+  if (!prepared) return tl::unexpected(prepared.error());
+  Diagnosis d;
+  d.curves = std::move(prepared->curves);
+  d.outliers = std::move(prepared->outliers);
+  d.data = prepared->data;
+  d.noise = std::move(prepared->noise);
+  d.baseline = std::move(prepared->baseline);
+  const Excitation excitation = examine(d.data->curves);
+  d.path.push_back(step_of("start", "", request.model.name, d.baseline, d));
+
+  Reference current = d.baseline;
+  std::vector<Accepted> accepted = go_forward(d, current, request, excitation, control);
+  if (control.stop.stop_requested()) return fail(ErrorKind::cancelled, "stopped while effects were being tried");
+  d.extended = std::move(current);
+  measure_gain(d, control);
+
+  std::vector<Finding> findings;
+  for (Accepted& entry : accepted) findings.push_back({std::move(entry.trial), std::move(entry.rivals)});
+  control.report({"verdicts", "", 0, d.extended.fit.chi2, 0.95});
+  pass_verdicts(d, findings, excitation, request.options.seed);
+  return d;
+}
+
+}  // namespace tenter::diagnosis

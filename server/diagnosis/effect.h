@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// An effect: one cause of misfit that the catalogue knows, with the ways to extend a model by it.
+//
+// A new effect is one file in effects/, one row in catalogue.cpp and one test. It says
+//   - its id (design table), what it is in words, whether the material or a sensor is to blame;
+//   - its variants: terms to append, laws to replace, parameters to free, sensor corrections to add. At its start values
+//     a variant changes nothing ("off"); parameters that enter nonlinearly come on a grid;
+//   - when the captures cannot show it at all, and which protocol would;
+//   - whom it is mistaken for, and the protocol that splits them.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/model/model.h"
+#include "server/estimation/curves.h"
+
+namespace tenter::diagnosis {
+
+/// What the captures excite; made once per diagnosis, read by the effects.
+struct Excitation {
+  std::vector<estimation::Curves> curves;
+  /// Largest strain along weft, warp, shear and the +-45 degree fibres (Green measure), from zero.
+  double weft = 0.0;
+  double warp = 0.0;
+  double shear = 0.0;
+  double diagonal = 0.0;
+  bool has_unloading = false;   ///< some run goes back by more than a fifth of its range
+  bool has_repeated_loading = false;  ///< some strain is loaded more than once on one specimen
+  bool has_hold = false;        ///< a hold with time
+  bool has_clock = false;
+  bool has_rate = false;        ///< clock or declared rate
+  double rate_span = 1.0;       ///< largest over smallest strain rate between branches of one component
+  double longest_s = 1.0;       ///< duration of the longest run
+  double shortest_step_s = 1.0;
+  bool large_strain = false;    ///< beyond 20 %: Green and engineering measures differ
+  std::vector<int> stress_components;  ///< observed, without repetition
+
+  /// Rates a factor of three apart or a hold: what tells friction from viscosity.
+  bool splits_rate() const { return has_rate && (has_hold || rate_span >= 3.0); }
+};
+
+Excitation examine(const std::vector<estimation::Curves>& curves);
+
+/// Sets "term.parameter" or "correction.parameter" to a value.
+using Setting = std::vector<std::pair<std::string, double>>;
+
+struct Variant {
+  std::string words;  ///< "weft and warp"
+  std::vector<model::Term> append;
+  std::vector<std::pair<std::string, model::Law>> replace;  ///< term id -> law that equals it when off
+  std::vector<std::string> unfix;                           ///< parameters freed
+  std::vector<model::SensorCorrection> corrections;
+  std::vector<Setting> grid;  ///< start values of what enters nonlinearly; empty: nothing does
+};
+
+struct NextProtocol {
+  std::string name;
+  std::string words;
+  struct Phase {
+    std::string kind;
+    std::string words;
+  };
+  std::vector<Phase> phases;
+};
+
+struct Effect {
+  std::string id;
+  std::string words;  ///< completes "The specimen shows ..." or "The channel shows ..."
+  enum class Kind { material, sensor } kind = Kind::material;
+  bool in_every_run = true;   ///< false: an accident; what is left out cannot be asked for it
+  bool needs_rate = false;    ///< without time or rate at most AMBIGUOUS
+  std::vector<std::string> mistaken_for;
+  NextProtocol split_by;      ///< the protocol that excites it and tells it from its neighbours
+  /// Ways to extend this model; empty: nothing to add.
+  std::function<std::vector<Variant>(const model::Model&, const Excitation&)> variants;
+  /// Why the captures cannot show it; nothing: they can.
+  std::function<std::optional<std::string>(const model::Model&, const Excitation&)> not_excited;
+};
+
+/// All effects, in the order of the design table.
+const std::vector<Effect>& catalogue();
+const Effect* find_effect(const std::string& id);
+
+/// The model with the variant's parts added, switched off, at a point of its grid.
+model::Model extend(const model::Model& model, const Variant& variant, const Setting& setting,
+                    const std::string& effect_id);
+
+// --- helpers for the effects' files ---
+
+/// A term with an id that the model does not have yet: "friction_weft", "friction_weft_2", ...
+model::Term new_term(const model::Model& model, const std::string& id, const std::string& measure,
+                     double angle_rad, const std::string& law, int control_points = 0);
+void set_parameter(model::Law& law, const std::string& name, double value, bool fixed = false);
+model::SensorCorrection new_correction(const model::Model& model, const std::string& type,
+                                       const std::string& component);
+/// A direction in which an effect can act.
+struct Place {
+  std::string name;     ///< "weft", "warp", "shear", "diagonal"
+  std::string measure;
+  double angle_rad = 0.0;
+  double lo = 0.0;      ///< strains of this measure that the captures reach, zero included
+  double hi = 0.0;
+  double reach() const { return hi > -lo ? hi : -lo; }
+};
+/// Directions that the captures strain, in the model's own family of measures; with `both_families` those of the other
+/// family too where strains are large enough to tell them apart.
+std::vector<Place> places(const model::Model& model, const Excitation& excitation, bool both_families);
+/// All places alone, then weft and warp together, and these with the diagonal.
+std::vector<std::vector<Place>> place_groups(const std::vector<Place>& places);
+/// "weft and warp"; with "(engineering strain)" where it is not the Green measure.
+std::string place_words(const std::vector<Place>& group);
+/// The measures on which the model's own terms are built: "soft" where it has any engineering measure along weft or
+/// warp, else "green".
+std::string measure_family(const model::Model& model);
+
+}  // namespace tenter::diagnosis

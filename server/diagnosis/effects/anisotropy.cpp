@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Anisotropy: weft, warp and 45 degrees differ.
+#include "server/diagnosis/effects/effects.h"
+
+namespace tenter::diagnosis {
+
+Effect anisotropy() {
+  Effect effect;
+  effect.id = "anisotropy";
+  effect.words = "anisotropy: the stiffness depends on the direction in the cloth";
+  effect.mistaken_for = {"nonlinear_stiffness", "load_cell_gain"};
+  effect.split_by = {"remount_90_and_45_degrees",
+                     "The same pull on the specimen remounted at 90 and at 45 degrees: what turns with the specimen is "
+                     "the material.",
+                     {{"remount", "at 90 degrees"}, {"ramp", "the same pull"}, {"remount", "at 45 degrees"},
+                      {"ramp", "the same pull"}}};
+  effect.variants = [](const model::Model& model, const Excitation& excitation) {
+    std::vector<Variant> variants;
+    for (const Place& place : places(model, excitation, false)) {
+      bool has_linear = false;
+      for (const model::Term& term : model.terms) has_linear = has_linear || same_measure(term.strain, place);
+      if (has_linear) continue;
+      Variant variant;
+      variant.words = "an own stiffness along " + place.name;
+      model::Term term = new_term(model, "own_" + place.name, place.measure, place.angle_rad, "linear");
+      set_parameter(term.law, "k", 0.0);
+      variant.append.push_back(std::move(term));
+      variants.push_back(std::move(variant));
+    }
+    return variants;
+  };
+  effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
+    int directions = 0;
+    for (const auto& c : e.curves) directions += c.path.axis_angle_rad != 0.0 ? 1 : 0;
+    if (e.stress_components.size() + static_cast<std::size_t>(directions) < 2)
+      return "the force was measured in one direction only";
+    return std::nullopt;
+  };
+  return effect;
+}
+
+}  // namespace tenter::diagnosis

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A clip that slipped: the force steps once, in one run, and does not come back.
+#include "server/diagnosis/effects/effects.h"
+
+namespace tenter::diagnosis {
+
+Effect clip_slip() {
+  Effect effect;
+  effect.id = "clip_slip";
+  effect.words = "a slip in a clip: the force steps within one run and in no other";
+  effect.kind = Effect::Kind::sensor;
+  effect.in_every_run = false;
+  effect.mistaken_for = {"outliers", "first_cycle_softening"};
+  effect.split_by = {"repeat_with_marks",
+                     "Repeat the run with a mark on the cloth at the edge of each clip: a slip moves the mark.",
+                     {{"repeat", "the run that stepped"}}};
+  effect.variants = [](const model::Model& model, const Excitation& excitation) {
+    std::vector<Variant> variants;
+    // a step may begin at any of a dozen places of a run; a finer search follows in the refit
+    constexpr int kPlaces = 12;
+    for (const estimation::Curves& curves : excitation.curves) {
+      if (curves.runs.size() < 2 && excitation.curves.size() < 2) continue;
+      for (const auto& channel : curves.channels) {
+        if (!channel.is_stress) continue;
+        for (const estimation::CurveRun& run : curves.runs) {
+          Variant variant;
+          const std::string name = estimation::component_name(channel.component);
+          variant.words = "run " + std::to_string(run.number) + ", stress " + name;
+          model::SensorCorrection correction = new_correction(model, "clip_slip", name);
+          correction.capture = curves.id;
+          for (int k = 1; k < kPlaces; ++k) {
+            const int at = run.first + (run.last - run.first) * k / kPlaces;
+            if (at - run.first < 3 || run.last - at < 3) continue;
+            variant.grid.push_back({{correction.id + ".at_frame", static_cast<double>(at)}});
+          }
+          variant.corrections.push_back(std::move(correction));
+          if (!variant.grid.empty()) variants.push_back(std::move(variant));
+        }
+      }
+    }
+    return variants;
+  };
+  effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
+    std::size_t runs = 0;
+    for (const auto& c : e.curves) runs += c.runs.size();
+    if (runs < 2) return "one run only: nothing to compare it with";
+    return std::nullopt;
+  };
+  return effect;
+}
+
+}  // namespace tenter::diagnosis

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// First-cycle softening (Mullins, settling): only the first loading to each new maximum feels the whole stiffness.
+#include "server/diagnosis/effects/effects.h"
+
+namespace tenter::diagnosis {
+
+Effect first_cycle_softening() {
+  Effect effect;
+  effect.id = "first_cycle_softening";
+  effect.words = "first-cycle softening: the first loading to each new strain is stiffer than every later one";
+  effect.mistaken_for = {"plastic_set", "internal_friction"};
+  effect.split_by = {"repeat_cycles_growing",
+                     "Three cycles to each of three growing maxima on a new specimen: softening shows between the first "
+                     "and the second cycle of each, and only there.",
+                     {{"cycle", "three cycles to a third of the range"},
+                      {"cycle", "three cycles to two thirds"},
+                      {"cycle", "three cycles to the full range"}}};
+  effect.variants = [](const model::Model& model, const Excitation& excitation) {
+    return memory_variants(model, excitation, "first_pull", "softening", "k", "strain_scale", {0.15, 0.5, 2.0}, 20.0);
+  };
+  effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
+    if (!e.has_repeated_loading) return "no strain is loaded twice on one specimen";
+    return std::nullopt;
+  };
+  return effect;
+}
+
+}  // namespace tenter::diagnosis

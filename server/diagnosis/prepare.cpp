@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/diagnosis/prepare.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tenter::diagnosis {
+namespace {
+
+using estimation::Curves;
+using estimation::DataSet;
+
+/// Nothing left out; sigma a hundredth of each channel's largest value until the noise is known.
+DataSet first_data(const std::vector<Curves>& curves) {
+  DataSet data;
+  data.curves = curves;
+  for (const Curves& c : curves) {
+    std::vector<double> sigma;
+    std::vector<std::vector<bool>> none;
+    for (const auto& channel : c.channels) {
+      double largest = 0.0;
+      double reference = channel.is_stress || channel.component == 2 ? 0.0 : 1.0;
+      for (const double v : channel.measured)
+        if (std::isfinite(v)) largest = std::max(largest, std::abs(v - reference));
+      sigma.push_back(std::max(0.01 * largest, 1e-9));
+      none.emplace_back(c.frame_count(), false);
+    }
+    data.sigma.push_back(std::move(sigma));
+    data.left_out.push_back(std::move(none));
+  }
+  return data;
+}
+
+DataSet thinned(const DataSet& full, int max_frames) {
+  DataSet data;
+  data.sigma = full.sigma;
+  for (std::size_t i = 0; i < full.curves.size(); ++i) {
+    data.curves.push_back(estimation::thin(full.curves[i], max_frames, full.left_out[i]));
+    std::vector<std::vector<bool>> none;
+    for (std::size_t c = 0; c < data.curves[i].channels.size(); ++c)
+      none.emplace_back(data.curves[i].frame_count(), false);
+    data.left_out.push_back(std::move(none));
+  }
+  return data;
+}
+
+}  // namespace
+
+std::pair<estimation::Noise, DataPointer> reweigh(const DataPointer& data, const std::vector<estimation::Row>& rows,
+                                                  const Eigen::VectorXd& residuals) {
+  estimation::Noise noise = estimation::estimate_noise(*data, rows, residuals);
+  auto weighed = std::make_shared<DataSet>(*data);
+  for (std::size_t i = 0; i < weighed->sigma.size(); ++i)
+    for (std::size_t c = 0; c < weighed->sigma[i].size(); ++c) weighed->sigma[i][c] = noise.channels[i][c].sigma;
+  return {std::move(noise), std::move(weighed)};
+}
+
+Expected<Reference> make_reference(const model::Model& start, const DataPointer& data,
+                                   const estimation::FitOptions& options) {
+  Reference reference;
+  reference.model = start;
+  estimation::adapt_spline_ranges(reference.model, data->curves);
+  auto evaluator = estimation::Evaluator::make(reference.model, data);
+  if (!evaluator) return tl::unexpected(evaluator.error());
+  reference.fit = estimation::fit(*evaluator, reference.model, options);
+  if (!reference.fit.usable)
+    return bad_input("the model \"" + start.name + "\" cannot be fitted to these captures: " + reference.fit.message);
+  estimation::store(reference.fit, reference.model);
+  reference.block_chi2 = chi2_by_block(evaluator->rows(), reference.fit.residuals, data->block_count());
+  return reference;
+}
+
+Expected<Prepared> prepare(const Request& request, const Control& control) {
+  Prepared prepared;
+  for (const auto& [id, capture] : request.captures) {
+    auto curves = estimation::make_curves(capture, id);
+    if (!curves) return tl::unexpected(curves.error());
+    prepared.curves.push_back(std::move(*curves));
+  }
+  estimation::FitOptions options;
+  options.on_iteration = [&](int iteration, double cost) {
+    control.report({"baseline", request.model.name, iteration, cost, 0.05});
+    return !control.stop.stop_requested();
+  };
+  DataSet full = first_data(prepared.curves);
+  auto coarse = std::make_shared<const DataSet>(thinned(full, request.options.max_frames_per_block));
+  auto reference = make_reference(request.model, coarse, options);
+  if (!reference) return tl::unexpected(reference.error());
+
+  // isolated misreadings on every frame, seen against the first fit
+  const auto whole = std::make_shared<const DataSet>(full);
+  auto evaluator = estimation::Evaluator::make(reference->model, whole);
+  if (!evaluator) return tl::unexpected(evaluator.error());
+  Eigen::VectorXd residuals;
+  if (evaluator->evaluate(reference->fit.parameters, residuals, nullptr) == mechanics::PathStatus::ok) {
+    prepared.outliers = estimation::find_outliers(*whole, evaluator->rows(), residuals, {});
+    for (const estimation::Outlier& o : prepared.outliers)
+      full.left_out[static_cast<std::size_t>(o.curve)][static_cast<std::size_t>(o.channel)]
+                   [static_cast<std::size_t>(o.frame)] = true;
+  }
+  DataPointer data = std::make_shared<const DataSet>(thinned(full, request.options.max_frames_per_block));
+  // noise and fit depend on each other's weights: twice is enough
+  model::Model model = reference->model;
+  for (int pass = 0; pass < 2; ++pass) {
+    if (control.stop.stop_requested()) return fail(ErrorKind::cancelled, "stopped before the baseline was fitted");
+    auto at = make_reference(model, data, options);
+    if (!at) return tl::unexpected(at.error());
+    std::tie(prepared.noise, data) = reweigh(data, data->rows(), at->fit.residuals);
+    model = at->model;
+  }
+  auto baseline = make_reference(model, data, options);
+  if (!baseline) return tl::unexpected(baseline.error());
+  prepared.baseline = std::move(*baseline);
+  prepared.data = std::move(data);
+  return prepared;
+}
+
+}  // namespace tenter::diagnosis

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One candidate refitted, and whether it may be believed (design, step 7).
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/diagnosis/screen.h"
+#include "server/estimation/hold_out.h"
+
+namespace tenter::diagnosis {
+
+struct Trial {
+  const Effect* effect = nullptr;
+  Variant variant;
+  model::Model model;            ///< fitted
+  estimation::FitResult fit;
+  std::vector<double> block_chi2;
+  int parameters = 0;            ///< free ones
+  double ratio = 0.0;            ///< of the screen
+  double p_value = 1.0;          ///< F test against the model before, on effectively independent rows
+  double held_out_before = 0.0;  ///< chi2 on the same folds
+  double held_out_after = 0.0;
+  double held_out_error = 0.0;   ///< standard error of the difference, over blocks
+  std::string folds;             ///< what was left out
+  std::vector<std::string> objections;  ///< gates that it fails, in words; empty: it passes
+};
+
+/// A fitted model that trials are compared with.
+struct Reference {
+  model::Model model;
+  estimation::FitResult fit;
+  std::vector<double> block_chi2;
+};
+
+using DataPointer = std::shared_ptr<const estimation::DataSet>;
+
+/// Refits; `usable` of the fit says whether it went well.
+Trial refit(const Candidate& candidate, const model::Model& base, const DataPointer& data);
+
+std::vector<double> chi2_by_block(const std::vector<estimation::Row>& rows, const Eigen::VectorXd& residuals,
+                                  int blocks);
+
+/// p of the hypothesis that the added parameters explain nothing: F with `rows` independent observations.
+double f_test(double chi2_before, double chi2_after, int added, int parameters, double rows);
+
+/// Information criterion on `rows` independent observations, with a penalty for the size of the catalogue for each
+/// added effect (extended BIC). Smaller is better.
+double information(double chi2, int parameters, int added_effects, double rows);
+
+/// Fills p_value, the held-out scores and the objections.
+void judge(Trial& trial, const Reference& before, const DataPointer& data, double expected_chi2);
+
+int free_count(const model::Model& model);
+
+}  // namespace tenter::diagnosis

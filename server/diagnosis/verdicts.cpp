@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/diagnosis/verdicts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "server/diagnosis/prepare.h"
+#include "server/diagnosis/score.h"
+
+namespace tenter::diagnosis {
+namespace {
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, share < 0.0995 ? "%.1f %%" : "%.0f %%", 100.0 * share);
+  return text;
+}
+
+/// The extended model without an effect's parts, or with those of another in their place.
+model::Model without(const model::Model& model, const std::string& effect, const model::Model& baseline) {
+  model::Model result = model;
+  std::erase_if(result.terms, [&](const model::Term& t) {
+    const bool in_baseline = std::any_of(baseline.terms.begin(), baseline.terms.end(),
+                                         [&](const model::Term& b) { return b.id == t.id; });
+    return t.effect == effect && !in_baseline;
+  });
+  for (model::Term& t : result.terms) {
+    if (t.effect != effect) continue;
+    for (const model::Term& b : baseline.terms)
+      if (b.id == t.id) t = b;
+  }
+  std::erase_if(result.corrections, [&](const model::SensorCorrection& c) { return c.effect == effect; });
+  // growth of friction with strain lives in the friction terms of another effect
+  if (effect == "strain_dependent_friction") {
+    for (model::Term& t : result.terms) {
+      if (t.law.name != "dahl") continue;
+      for (model::Parameter& p : t.law.parameters) {
+        if (p.name != "b" && p.name != "c") continue;
+        p.value = 0.0;
+        p.fixed = true;
+      }
+    }
+  }
+  return result;
+}
+
+/// Parts of a rival's trial put into the model.
+model::Model with_rival(model::Model model, const Trial& rival) {
+  for (const model::Term& t : rival.model.terms) {
+    if (t.effect != rival.effect->id) continue;
+    const bool taken = std::any_of(model.terms.begin(), model.terms.end(),
+                                   [&](const model::Term& m) { return m.id == t.id; });
+    if (taken) {
+      for (model::Term& m : model.terms)
+        if (m.id == t.id) m = t;
+    } else {
+      model.terms.push_back(t);
+    }
+  }
+  for (const model::SensorCorrection& c : rival.model.corrections)
+    if (c.effect == rival.effect->id) model.corrections.push_back(c);
+  return model;
+}
+
+/// Rivals that do as well as the effect in the extended model: twice the log evidence that speaks against each is small.
+std::vector<std::string> equals_of(const Diagnosis& d, const std::string& effect, const std::vector<Trial>& rivals) {
+  constexpr double kDecisive = 10.0;
+  std::vector<std::string> equals;
+  std::set<std::string> tried;
+  for (const Trial& rival : rivals) {
+    if (tried.contains(rival.effect->id) || rival.effect->id == effect) continue;
+    const bool in_model = std::any_of(d.extended.model.terms.begin(), d.extended.model.terms.end(),
+                                      [&](const model::Term& t) { return t.effect == rival.effect->id; });
+    if (in_model) continue;
+    auto swapped = make_reference(with_rival(without(d.extended.model, effect, d.baseline.model), rival), d.data, {});
+    if (!swapped) continue;
+    const double rows = std::max(swapped->fit.effective_rows, d.extended.fit.effective_rows);
+    const double evidence = information(swapped->fit.chi2, free_count(swapped->model), 0, rows) -
+                            information(d.extended.fit.chi2, free_count(d.extended.model), 0, rows);
+    tried.insert(rival.effect->id);
+    if (evidence < kDecisive) equals.push_back(rival.effect->id);
+  }
+  return equals;
+}
+
+bool is_rate_question(const std::string& effect) {
+  return effect == "internal_friction" || effect == "strain_dependent_friction" || effect == "viscosity";
+}
+
+std::string list_words(const std::vector<std::string>& ids) {
+  std::string words;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (i > 0) words += i + 1 == ids.size() ? " or " : ", ";
+    words += find_effect(ids[i]) ? find_effect(ids[i])->words : ids[i];
+  }
+  return words;
+}
+
+Verdict verdict_for(const Diagnosis& d, const std::string& id, const std::vector<const Finding*>& findings,
+                    const Excitation& excitation, unsigned long long seed) {
+  const Effect& effect = *find_effect(id);
+  Verdict verdict;
+  verdict.effect = id;
+  verdict.p_value = findings.front()->trial.p_value;
+
+  auto reduced = make_reference(without(d.extended.model, id, d.baseline.model), d.data, {});
+  const Eigen::VectorXd& rest = reduced ? reduced->fit.residuals : d.baseline.fit.residuals;
+  const SizeInterval size = size_between(*d.data, d.data->rows(), rest, d.extended.fit.residuals, seed);
+  verdict.size = size.size;
+  verdict.size_lo = size.lo;
+  verdict.size_hi = size.hi;
+
+  std::vector<Trial> rivals;
+  for (const Finding* f : findings) rivals.insert(rivals.end(), f->rivals.begin(), f->rivals.end());
+  verdict.alternatives = equals_of(d, id, rivals);
+  // physics, not statistics: at one rate without a hold Maxwell equals Dahl
+  if (is_rate_question(id) && !excitation.splits_rate()) {
+    const std::string other = id == "viscosity" ? "internal_friction" : "viscosity";
+    if (std::find(verdict.alternatives.begin(), verdict.alternatives.end(), other) == verdict.alternatives.end())
+      verdict.alternatives.push_back(other);
+  }
+  if (effect.needs_rate && !excitation.has_rate && verdict.alternatives.empty())
+    verdict.alternatives.push_back(effect.mistaken_for.front());
+
+  const bool few_blocks = d.data->block_count() < 8;
+  std::string words = effect.words;
+  words[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words[0])));
+  if (!verdict.alternatives.empty()) {
+    verdict.kind = VerdictKind::ambiguous;
+    words += "; this capture cannot tell it from " + list_words(verdict.alternatives);
+    verdict.next_protocol = effect.split_by;
+  } else {
+    verdict.kind = effect.kind == Effect::Kind::sensor ? VerdictKind::sensor : VerdictKind::named;
+  }
+  words += ". It accounts for " + percent(verdict.size) + " of the force";
+  std::string variants;
+  for (const Finding* f : findings) variants += (variants.empty() ? " (" : "; ") + f->trial.variant.words;
+  words += variants + ")";
+  const Trial& first = findings.front()->trial;
+  if (first.held_out_before > 0.0)
+    words += " and takes " + percent(1.0 - first.held_out_after / first.held_out_before) +
+             " off the squared error on left-out " + first.folds;
+  words += ".";
+  if (few_blocks) words += " Too few repeats for more than a weak word.";
+  verdict.words = words;
+  verdict.evidence = {{"screen_ratio", first.ratio},
+                      {"f_test_p", first.p_value},
+                      {"blocks", static_cast<double>(d.data->block_count())},
+                      {"few_repeats", few_blocks ? 1.0 : 0.0}};
+  return verdict;
+}
+
+void add_outliers(Diagnosis& d) {
+  if (d.outliers.empty()) return;
+  Verdict verdict;
+  verdict.kind = VerdictKind::sensor;
+  verdict.effect = "outliers";
+  double worst = 0.0;
+  double power = 0.0;
+  double error = 0.0;
+  std::size_t readings = 0;
+  std::map<std::string, int> by_channel;
+  for (const estimation::Outlier& o : d.outliers) {
+    worst = std::max(worst, o.score);
+    error += o.deviation * o.deviation;
+    ++by_channel[d.curves[static_cast<std::size_t>(o.curve)].channels[static_cast<std::size_t>(o.channel)].name];
+  }
+  for (const estimation::Curves& c : d.curves) {
+    for (const auto& channel : c.channels) {
+      readings += channel.measured.size();
+      for (const double v : channel.measured)
+        if (std::isfinite(v)) power += v * v;
+    }
+  }
+  verdict.size = power > 0.0 ? std::sqrt(error / power) : 0.0;
+  verdict.size_lo = verdict.size_hi = verdict.size;
+  // chance that the largest of so many normal readings lies so far out
+  verdict.p_value = std::min(1.0, static_cast<double>(readings) * std::erfc(worst / std::sqrt(2.0)));
+  verdict.words = std::to_string(d.outliers.size()) + " of " + std::to_string(readings) +
+                  " readings stand alone far from their neighbours and were left out of the fits:";
+  for (const auto& [name, count] : by_channel) verdict.words += " " + std::to_string(count) + " in " + name + ",";
+  verdict.words.back() = '.';
+  verdict.evidence = {{"count", static_cast<double>(d.outliers.size())}, {"largest_robust_score", worst}};
+  d.verdicts.push_back(std::move(verdict));
+}
+
+void add_unexplained(Diagnosis& d, const Screen& last, bool anything_found) {
+  const double rows = static_cast<double>(d.extended.fit.residuals.size());
+  const double expected = last.expected_chi2 > 0.0 ? last.expected_chi2 : rows;
+  const double missed = std::max(0.0, d.baseline.fit.chi2 - expected);
+  const double left = std::max(0.0, d.extended.fit.chi2 - expected);
+  d.unexplained_share = missed > 0.0 ? std::min(1.0, left / missed) : 0.0;
+  const bool lacks_fit = last.lack_of_fit > 1.0 && left > 0.05 * expected;
+  if (!lacks_fit) {
+    d.unexplained_share = 0.0;
+    if (anything_found) return;
+    Verdict verdict;
+    verdict.words = "Nothing found: what the model misses is no larger than the noise, " + percent(d.noise_floor) +
+                    " of the force.";
+    d.verdicts.push_back(std::move(verdict));
+    return;
+  }
+  Verdict verdict;
+  verdict.kind = VerdictKind::unexplained;
+  verdict.size = std::sqrt(std::max(0.0, d.after.error * d.after.error - d.noise_floor * d.noise_floor));
+  verdict.size_lo = verdict.size_hi = verdict.size;
+  verdict.words = percent(d.unexplained_share) +
+                  " of what the baseline missed beyond the noise is explained by no effect of the catalogue; " +
+                  percent(verdict.size) + " of the force.";
+  verdict.evidence = {{"lack_of_fit", last.lack_of_fit}, {"unexplained_share", d.unexplained_share}};
+  d.verdicts.push_back(std::move(verdict));
+}
+
+void add_not_excited(Diagnosis& d, const std::set<std::string>& found) {
+  for (const ScreenRow& row : d.first_screen.table) {
+    if (found.contains(row.effect->id) || !row.status.starts_with("not excited")) continue;
+    Verdict verdict;
+    verdict.kind = VerdictKind::not_excited;
+    verdict.effect = row.effect->id;
+    verdict.words = "These captures cannot show " + row.effect->words + " (" + row.status.substr(13) + ").";
+    verdict.next_protocol = row.effect->split_by;
+    d.verdicts.push_back(std::move(verdict));
+  }
+}
+
+}  // namespace
+
+const char* verdict_name(VerdictKind kind) {
+  switch (kind) {
+    case VerdictKind::nothing_found:
+      return "NOTHING_FOUND";
+    case VerdictKind::named:
+      return "NAMED";
+    case VerdictKind::ambiguous:
+      return "AMBIGUOUS";
+    case VerdictKind::sensor:
+      return "SENSOR";
+    case VerdictKind::not_excited:
+      return "NOT_EXCITED";
+    case VerdictKind::unexplained:
+      return "UNEXPLAINED";
+    case VerdictKind::numerical:
+      return "NUMERICAL";
+  }
+  return "";
+}
+
+void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Excitation& excitation,
+                   unsigned long long seed) {
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<const Finding*>> by_effect;
+  for (const Finding& f : findings) {
+    auto& list = by_effect[f.trial.effect->id];
+    if (list.empty()) order.push_back(f.trial.effect->id);
+    list.push_back(&f);
+  }
+  for (const std::string& id : order)
+    d.verdicts.push_back(verdict_for(d, id, by_effect[id], excitation, seed));
+  std::stable_sort(d.verdicts.begin(), d.verdicts.end(),
+                   [](const Verdict& a, const Verdict& b) { return a.size > b.size; });
+  add_outliers(d);
+  const Screen last = screen(d.extended.model, d.extended.fit, d.data, d.noise, excitation, {1000, seed + 99});
+  add_unexplained(d, last, !d.verdicts.empty());
+  add_not_excited(d, {order.begin(), order.end()});
+}
+
+}  // namespace tenter::diagnosis

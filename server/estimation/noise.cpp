@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/estimation/noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace tenter::estimation {
+namespace {
+
+constexpr int kGridPoints = 30;
+
+/// One block of one channel: residuals (SI) along an increasing coordinate.
+struct Segment {
+  std::vector<double> x;
+  std::vector<double> value;
+};
+
+/// Imposed component that moves most over the block; the clock in a hold.
+Segment make_segment(const Curves& curves, const Block& block, const std::vector<int>& frames,
+                     const std::vector<double>& values) {
+  Eigen::Vector3d lo = curves.path.q[static_cast<std::size_t>(block.first)];
+  Eigen::Vector3d hi = lo;
+  for (int f = block.first; f < block.last; ++f) {
+    lo = lo.cwiseMin(curves.path.q[static_cast<std::size_t>(f)]);
+    hi = hi.cwiseMax(curves.path.q[static_cast<std::size_t>(f)]);
+  }
+  int driver = 0;
+  double best = -1.0;
+  for (int i = 0; i < 3; ++i) {
+    if (curves.path.is_free[static_cast<std::size_t>(i)]) continue;
+    if (hi[i] - lo[i] > best) {
+      best = hi[i] - lo[i];
+      driver = i;
+    }
+  }
+  Segment segment;
+  const bool hold = block.branch == capture::Branch::hold;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const auto f = static_cast<std::size_t>(frames[k]);
+    const double x = hold ? curves.clock_s[f] - curves.clock_s[static_cast<std::size_t>(block.first)]
+                          : curves.path.q[f][driver];
+    segment.x.push_back(x);
+    segment.value.push_back(values[k]);
+  }
+  if (segment.x.size() > 1 && segment.x.front() > segment.x.back()) {
+    std::reverse(segment.x.begin(), segment.x.end());
+    std::reverse(segment.value.begin(), segment.value.end());
+  }
+  return segment;
+}
+
+/// Mean of the values near x, linear between samples; samples need not be strictly sorted.
+double interpolate(const Segment& s, double x) {
+  std::size_t k = 1;
+  while (k + 1 < s.x.size() && s.x[k] < x) ++k;
+  const double span = s.x[k] - s.x[k - 1];
+  const double w = span > 0.0 ? std::clamp((x - s.x[k - 1]) / span, 0.0, 1.0) : 0.5;
+  return (1.0 - w) * s.value[k - 1] + w * s.value[k];
+}
+
+/// Standard deviation of white noise from second differences: r[i] - (r[i-1] + r[i+1])/2 has variance 1.5 sigma^2.
+double scatter_sigma(const std::vector<std::vector<double>>& blocks) {
+  std::vector<double> d;
+  for (const auto& x : blocks)
+    for (std::size_t i = 1; i + 1 < x.size(); ++i)
+      d.push_back(std::abs(x[i] - 0.5 * (x[i - 1] + x[i + 1])));
+  if (d.empty()) return 0.0;
+  const auto middle = d.begin() + static_cast<std::ptrdiff_t>(d.size() / 2);
+  std::nth_element(d.begin(), middle, d.end());
+  return 1.4826 * *middle / std::sqrt(1.5);
+}
+
+struct Member {
+  int run_order = 0;  ///< position of the run in its group
+  Segment segment;
+};
+
+/// Repeats' deviations from their mean on a common grid, scaled to the variance of one reading; empty where the
+/// segments do not overlap.
+std::vector<std::vector<double>> deviations(std::vector<Member>& members) {
+  std::sort(members.begin(), members.end(),
+            [](const Member& a, const Member& b) { return a.run_order < b.run_order; });
+  if (members.size() >= 3) members.erase(members.begin());
+  std::vector<std::vector<double>> result;
+  if (members.size() < 2) return result;
+  double lo = -1e300;
+  double hi = 1e300;
+  for (const Member& m : members) {
+    if (m.segment.x.size() < 3) return result;
+    lo = std::max(lo, m.segment.x.front());
+    hi = std::min(hi, m.segment.x.back());
+  }
+  if (!(hi > lo)) return result;
+  const double scale = std::sqrt(static_cast<double>(members.size()) / (static_cast<double>(members.size()) - 1.0));
+  result.resize(members.size());
+  for (int g = 0; g < kGridPoints; ++g) {
+    const double x = lo + (hi - lo) * (g + 0.5) / kGridPoints;
+    double mean = 0.0;
+    for (std::size_t m = 0; m < members.size(); ++m) {
+      result[m].push_back(interpolate(members[m].segment, x));
+      mean += result[m].back() / static_cast<double>(members.size());
+    }
+    for (auto& sequence : result) sequence.back() = (sequence.back() - mean) * scale;
+  }
+  return result;
+}
+
+double rms(const std::vector<double>& x) {
+  double sum = 0.0;
+  for (const double v : x) sum += v * v;
+  return x.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(x.size()));
+}
+
+/// One run's accident (a slip, a drift) must not pass for noise: sequences louder than twice the median are brought
+/// down to it.
+void tame(std::vector<std::vector<double>>& sequences) {
+  if (sequences.size() < 3) return;
+  std::vector<double> loudness;
+  for (const auto& s : sequences) loudness.push_back(rms(s));
+  std::vector<double> sorted = loudness;
+  std::sort(sorted.begin(), sorted.end());
+  const double limit = 2.0 * sorted[sorted.size() / 2];
+  for (std::size_t i = 0; i < sequences.size(); ++i)
+    if (loudness[i] > limit && limit > 0.0)
+      for (double& v : sequences[i]) v *= limit / loudness[i];
+}
+
+}  // namespace
+
+const char* noise_source_words(NoiseSource source) {
+  switch (source) {
+    case NoiseSource::declared:
+      return "declared by the capture";
+    case NoiseSource::repeats:
+      return "scatter between repeats";
+    case NoiseSource::scatter:
+      return "scatter of neighbouring samples";
+  }
+  return "";
+}
+
+Noise estimate_noise(const DataSet& data, const std::vector<Row>& rows,
+                     const Eigen::VectorXd& residuals) {
+  Noise noise;
+  // residuals (SI) of every curve, channel and block
+  using BlockRows = std::map<int, std::pair<std::vector<int>, std::vector<double>>>;
+  std::vector<std::vector<BlockRows>> by_block(data.curves.size());
+  for (std::size_t i = 0; i < data.curves.size(); ++i)
+    by_block[i].resize(data.curves[i].channels.size());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Row& row = rows[r];
+    const auto i = static_cast<std::size_t>(row.curve);
+    const auto c = static_cast<std::size_t>(row.channel);
+    const int block = data.curves[i].block_of[static_cast<std::size_t>(row.frame)];
+    auto& entry = by_block[i][c][block];
+    entry.first.push_back(row.frame);
+    entry.second.push_back(-residuals[static_cast<Eigen::Index>(r)] * data.sigma[i][c]);
+  }
+  // repeats: same group, same place of the block within its run, same channel
+  std::map<std::string, int> runs_in_group;
+  std::map<std::pair<std::string, std::string>, std::vector<Member>> members;
+  for (std::size_t i = 0; i < data.curves.size(); ++i) {
+    const Curves& curves = data.curves[i];
+    std::vector<int> order;
+    for (const CurveRun& run : curves.runs) order.push_back(runs_in_group[run.group]++);
+    std::vector<int> blocks_so_far(curves.runs.size(), 0);
+    for (std::size_t b = 0; b < curves.blocks.size(); ++b) {
+      const auto run = static_cast<std::size_t>(curves.blocks[b].run);
+      const std::string place = curves.runs[run].group + "#" + std::to_string(blocks_so_far[run]++);
+      for (std::size_t c = 0; c < curves.channels.size(); ++c) {
+        const auto found = by_block[i][c].find(static_cast<int>(b));
+        if (found == by_block[i][c].end() || found->second.first.size() < 3) continue;
+        members[{curves.channels[c].name, place}].push_back(
+            {order[run], make_segment(curves, curves.blocks[b], found->second.first, found->second.second)});
+      }
+    }
+  }
+  std::map<std::string, std::vector<std::vector<double>>> repeats;  // by channel name, SI
+  for (auto& [key, list] : members)
+    for (auto& sequence : deviations(list)) repeats[key.first].push_back(std::move(sequence));
+  std::map<std::string, double> repeat_sigma;
+  for (auto& [name, sequences] : repeats) {
+    tame(sequences);
+    double sum = 0.0;
+    for (const auto& s : sequences) sum += rms(s) * rms(s);
+    repeat_sigma[name] = std::sqrt(sum / static_cast<double>(sequences.size()));
+  }
+
+  noise.channels.resize(data.curves.size());
+  for (std::size_t i = 0; i < data.curves.size(); ++i) {
+    for (std::size_t c = 0; c < data.curves[i].channels.size(); ++c) {
+      const ObservedChannel& channel = data.curves[i].channels[c];
+      std::vector<std::vector<double>> blocks;
+      double range_lo = 0.0;
+      double range_hi = 0.0;
+      for (const auto& [block, entry] : by_block[i][c]) {
+        blocks.push_back(entry.second);
+        for (const int f : entry.first) {
+          range_lo = std::min(range_lo, channel.measured[static_cast<std::size_t>(f)]);
+          range_hi = std::max(range_hi, channel.measured[static_cast<std::size_t>(f)]);
+        }
+      }
+      ChannelNoise entry;
+      entry.repeat_sigma = repeat_sigma.contains(channel.name) ? repeat_sigma[channel.name] : 0.0;
+      if (channel.sigma > 0.0) {
+        entry.sigma = channel.sigma;
+        entry.source = NoiseSource::declared;
+      } else if (entry.repeat_sigma > 0.0) {
+        entry.sigma = entry.repeat_sigma;
+        entry.source = NoiseSource::repeats;
+      } else {
+        entry.sigma = scatter_sigma(blocks);
+        entry.source = NoiseSource::scatter;
+      }
+      // never finer than the instrument resolves, nor than numbers can be trusted
+      entry.sigma = std::max({entry.sigma, channel.resolution / std::sqrt(12.0), 1e-5 * (range_hi - range_lo), 1e-12});
+      noise.channels[i].push_back(entry);
+    }
+  }
+  // whitened pool: every sequence over the sigma of its channel
+  for (const auto& [name, sequences] : repeats) {
+    double sigma = 0.0;
+    for (std::size_t i = 0; i < data.curves.size() && sigma == 0.0; ++i)
+      for (std::size_t c = 0; c < data.curves[i].channels.size(); ++c)
+        if (data.curves[i].channels[c].name == name) sigma = noise.channels[i][c].sigma;
+    for (std::vector<double> s : sequences) {
+      for (double& v : s) v /= sigma;
+      noise.sequences.push_back(std::move(s));
+    }
+  }
+  return noise;
+}
+
+}  // namespace tenter::estimation

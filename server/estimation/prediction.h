@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a model says that the channels should have shown: residuals and their exact Jacobian over all curves.
+//
+//   r = (predicted - measured) / sigma        one row per frame and channel that has weight and a measured value
+//
+// Parameters are those of the model's terms, then those of its sensor corrections, flat, in document order. A sensor
+// correction acts on the predicted stress of its component:
+//
+//   shown = gain P(t - delay) + offset + rate (t - t0) + step [frame >= at_frame]
+//
+// An Evaluator is built once per model and set of curves; `evaluate` is then called thousands of times.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "common/base/error.h"
+#include "common/model/model.h"
+#include "server/estimation/curves.h"
+#include "server/mechanics/material_point.h"
+
+namespace tenter::estimation {
+
+using mechanics::RowMatrix;
+
+/// One residual's place.
+struct Row {
+  int curve = 0;
+  int channel = 0;
+  int frame = 0;  ///< kept frame within the curves
+  int block = 0;  ///< global block index over all curves
+};
+
+/// Curves with the noise that a fit gives them, sigma[curve][channel] in SI, and the readings that it leaves out,
+/// left_out[curve][channel][frame].
+struct DataSet {
+  std::vector<Curves> curves;
+  std::vector<std::vector<double>> sigma;
+  std::vector<std::vector<std::vector<bool>>> left_out;
+
+  int block_count() const;
+  /// Rows in the order of every residual vector: curve, channel, frame.
+  std::vector<Row> rows() const;
+  /// Standard deviation of one row (SI).
+  double sigma_of(const Row& row) const;
+};
+
+class Evaluator {
+ public:
+  static Expected<Evaluator> make(const model::Model& model,
+                                  std::shared_ptr<const DataSet> data);
+
+  int parameter_count() const { return parameter_count_; }
+  int row_count() const { return static_cast<int>(rows_.size()); }
+  const std::vector<Row>& rows() const { return rows_; }
+
+  /// Whitened residuals of all rows and, where not null, their Jacobian (rows x parameters).
+  [[nodiscard]] mechanics::PathStatus evaluate(const Eigen::VectorXd& parameters,
+                                               Eigen::VectorXd& residuals, RowMatrix* jacobian);
+
+  /// Predicted value (SI) of every row, from residuals that `evaluate` gave.
+  std::vector<double> predicted(const Eigen::VectorXd& residuals) const;
+  double measured(int row) const { return measured_[static_cast<std::size_t>(row)]; }
+  double sigma(int row) const { return sigma_[static_cast<std::size_t>(row)]; }
+  /// Stretches that the model gave in the last evaluation, per curve and frame.
+  const std::vector<mechanics::PathResponse>& responses() const { return responses_; }
+
+ private:
+  struct Correction {
+    enum class Type { offset, gain, drift, delay, clip_slip };
+    Type type = Type::offset;
+    int first_parameter = 0;
+    std::string capture;
+    int component = -1;  ///< -1: all
+  };
+  struct Shown {
+    double value = 0.0;
+    Eigen::RowVectorXd by_p;
+  };
+  void show(const Curves& curves, const mechanics::PathResponse& response, int component, int frame,
+            const Eigen::VectorXd& parameters, bool sensitivities, Shown& shown) const;
+
+  std::shared_ptr<const DataSet> data_;
+  std::shared_ptr<const mechanics::MaterialPoint> point_;
+  std::vector<Correction> corrections_;
+  std::vector<Row> rows_;
+  std::vector<double> measured_;
+  std::vector<double> sigma_;
+  std::vector<mechanics::PathResponse> responses_;
+  mechanics::MaterialPoint::Workspace scratch_;
+  int term_parameters_ = 0;
+  int parameter_count_ = 0;
+};
+
+/// All parameters of a model in flat order: terms first, then corrections.
+std::vector<model::Parameter*> parameters_of(model::Model& model);
+std::vector<const model::Parameter*> parameters_of(const model::Model& model);
+/// "term.parameter" of each.
+std::vector<std::string> parameter_names(const model::Model& model);
+Eigen::VectorXd parameter_values(const model::Model& model);
+
+}  // namespace tenter::estimation

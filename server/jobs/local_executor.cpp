@@ -6,8 +6,8 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sys/eventfd.h>
-#include <sys/pidfd.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -104,6 +104,9 @@ Expected<pid_t> spawn(const fs::path& program, const WorkOrder& order, int pipe_
   if (error != 0) return tl::unexpected<Error>(system_error(program, "starting a worker", error));
   return pid;
 }
+
+// glibc 2.36 declares pidfd_open for C only
+int open_process(pid_t pid) { return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)); }
 
 std::string signal_words(int signal) {
   return "signal " + std::to_string(signal) + " (" + ::strsignal(signal) + ")";
@@ -203,7 +206,7 @@ class LocalExecutor::Supervisor {
     auto pid = spawn(config_.worker, order, far_end.get());
     if (!pid) return tl::unexpected(pid.error());
     worker.pid = *pid;
-    worker.process = FileDescriptor(::pidfd_open(worker.pid, 0));
+    worker.process = FileDescriptor(open_process(worker.pid));
     if (!worker.process) {
       const int error = errno;
       ::kill(-worker.pid, SIGKILL);

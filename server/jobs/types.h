@@ -34,14 +34,16 @@ std::optional<ErrorKind> error_kind_from(std::string_view name);
 /// What a user asks for. Priority, limits and dependencies do not change the result, so they are
 /// not in the specification.
 struct SubmitRequest {
-  std::string user;
-  std::string request_id;  ///< made by the client, 1..128 characters; a repeat gets the same job
-  std::string spec_json;   ///< schema "tenter.job"
-  int priority = 0;        ///< -100..100, higher first among the jobs of one user
-  std::vector<JobId> depends_on;
-  std::optional<double> time_limit_s;
-  std::optional<std::uint64_t> memory_limit_bytes;
-  std::optional<int> max_attempts;  ///< worker deaths after which the job is put into quarantine
+  std::string user = {};
+  std::string request_id =
+      {};  ///< made by the client, 1..128 characters; a repeat gets the same job
+  std::string spec_json = {};  ///< schema "tenter.job"
+  int priority = 0;            ///< -100..100, higher first among the jobs of one user
+  std::vector<JobId> depends_on = {};
+  std::optional<double> time_limit_s = std::nullopt;
+  std::optional<std::uint64_t> memory_limit_bytes = std::nullopt;
+  std::optional<int> max_attempts =
+      std::nullopt;  ///< worker deaths after which the job is put into quarantine
 };
 
 struct JobRecord {

@@ -8,13 +8,14 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 namespace tenter {
 
 namespace {
 
 tl::unexpected<Error> system_error(const std::string& path, const char* doing, int code) {
-  const bool full = code == ENOSPC || code == EDQUOT;
+  const bool full = code == ENOSPC || code == EDQUOT || code == EFBIG;
   const bool theirs = code == ENOENT || code == EACCES || code == ENOTDIR || code == EROFS ||
                       code == EISDIR || code == EPERM;
   const ErrorKind kind = full     ? ErrorKind::no_space
@@ -34,54 +35,73 @@ bool write_all(int descriptor, const char* bytes, std::size_t size) {
   return true;
 }
 
-/// A new file beside `path`, under a name that nobody else in this or another process takes.
-int create_beside(const std::string& path, std::string* temporary) {
-  static std::atomic<unsigned> counter{0};
-  for (int attempt = 0; attempt < 100; ++attempt) {
-    *temporary =
-        path + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".part";
-    const int descriptor =
-        ::open(temporary->c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor >= 0 || errno != EEXIST) return descriptor;
-  }
-  return -1;
+/// Syncs a file or folder by name; a file's pages are its own, so any descriptor of it will do.
+bool sync(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool ok = ::fsync(descriptor) == 0;
+  const int code = errno;
+  ::close(descriptor);
+  errno = code;
+  return ok;
 }
 
 }  // namespace
 
-Expected<void> write_atomically(const std::string& path, const void* bytes, std::size_t size) {
-  std::string folder = std::filesystem::path(path).parent_path().string();
-  if (folder.empty()) folder = ".";
-  std::string temporary;
-  const int descriptor = create_beside(path, &temporary);
-  if (descriptor < 0) return system_error(path, "creating the file", errno);
+AtomicFile::AtomicFile(std::string path, std::string temporary)
+    : path_(std::move(path)), temporary_(std::move(temporary)) {}
 
-  const char* doing = "writing";
-  bool ok = write_all(descriptor, static_cast<const char*>(bytes), size);
-  if (ok) {
-    doing = "syncing to disk";
-    ok = ::fsync(descriptor) == 0;
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
+    : path_(std::move(other.path_)), temporary_(std::exchange(other.temporary_, {})) {}
+
+AtomicFile& AtomicFile::operator=(AtomicFile&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(temporary_, other.temporary_);
+  return *this;
+}
+
+AtomicFile::~AtomicFile() {
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+tl::unexpected<Error> AtomicFile::error(const char* doing, int code) const {
+  return system_error(path_, doing, code);
+}
+
+Expected<AtomicFile> AtomicFile::create(const std::string& path) {
+  static std::atomic<unsigned> counter{0};
+  for (int attempt = 0;; ++attempt) {
+    std::string temporary =
+        path + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".part";
+    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor >= 0) {
+      ::close(descriptor);
+      return AtomicFile(path, std::move(temporary));
+    }
+    if (errno != EEXIST || attempt >= 100) return system_error(path, "creating the file", errno);
   }
-  int code = errno;
-  if (::close(descriptor) != 0 && ok) {
-    ok = false;
-    code = errno;
-  }
-  if (ok) {
-    doing = "renaming into place";
-    ok = ::rename(temporary.c_str(), path.c_str()) == 0;
-    code = errno;
-  }
-  if (!ok) {
-    ::unlink(temporary.c_str());
-    return system_error(path, doing, code);
-  }
-  const int directory = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (directory >= 0) {
-    ::fsync(directory);
-    ::close(directory);
-  }
+}
+
+Expected<void> AtomicFile::commit() {
+  if (!sync(temporary_)) return error("syncing to disk", errno);
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) return error("renaming into place", errno);
+  temporary_.clear();
+  const std::string folder = std::filesystem::path(path_).parent_path().string();
+  if (!sync(folder.empty() ? "." : folder)) return error("syncing the folder", errno);
   return {};
+}
+
+Expected<void> write_atomically(const std::string& path, const void* bytes, std::size_t size) {
+  Expected<AtomicFile> file = AtomicFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  const int descriptor = ::open(file->temporary().c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) return file->error("opening the file", errno);
+  const bool written = write_all(descriptor, static_cast<const char*>(bytes), size);
+  const int code = errno;
+  const bool closed = ::close(descriptor) == 0;
+  if (!written) return file->error("writing", code);
+  if (!closed) return file->error("writing", errno);
+  return file->commit();
 }
 
 }  // namespace tenter

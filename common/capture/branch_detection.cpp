@@ -110,13 +110,6 @@ void mark_motion(const std::vector<double>& x, std::size_t begin, std::size_t en
         direction = -1;
       else
         continue;
-      // what came before the first extreme moved the other way
-      const std::size_t turn = direction > 0 ? lowest : highest;
-      if (x[begin] != x[turn]) {
-        direction = -direction;
-        fill(turn + 1 == begin ? begin : turn);
-        direction = -direction;
-      }
       extreme = i;
       continue;
     }

@@ -163,7 +163,7 @@ void write_provenance(H5Writer& file, const Provenance& provenance) {
 Expected<void> write_capture(const Capture& capture, const std::string& path) {
   if (auto ok = validate(capture); !ok)
     return fail(ok.error().kind, path + ": " + ok.error().message + ".");
-  H5Writer file;
+  H5Writer file(path);
   file.group("/", "NXroot");
   file.attribute("/", "default", std::string("entry"));
   file.attribute("/", "schema", std::string(kSchema));
@@ -177,7 +177,7 @@ Expected<void> write_capture(const Capture& capture, const std::string& path) {
   write_protocol(file, capture);
   write_mechanics(file, capture);
   write_provenance(file, capture.provenance);
-  return std::move(file).save(path);
+  return std::move(file).save();
 }
 
 }  // namespace tenter::capture

@@ -263,6 +263,10 @@ class Import {
 
   Expected<void> read_branches() {
     const ColumnDescription* column = description_.find(&ColumnDescription::is_branch);
+    if (description_.branch) {
+      capture_.branch.assign(rows_.size(), *description_.branch);
+      return {};
+    }
     if (!column) {
       detect_all_branches();
       return {};

@@ -155,6 +155,7 @@ void read_protocol(JsonObject object, Description& out) {
   protocol.history = word_of<Protocol::History>(object, "history", object.text("history"));
   protocol.nominal_rate_per_s = object.maybe_number("nominal_rate_per_s");
   out.runs_repeat = object.flag_or("repeats", false);
+  if (object.has("branch")) out.branch = word_of<Branch>(object, "branch", object.text("branch"));
   for (JsonObject& item : object.objects("phases")) {
     Phase phase;
     phase.name = item.text("name");
@@ -262,6 +263,9 @@ void read_root(JsonObject& root, Description& out) {
     root.defect().note("assume_unit_thickness", "contradicts specimen.thickness");
   if (out.runs_repeat && out.find(&ColumnDescription::is_group))
     root.defect().note("protocol.repeats", "contradicts the column that gives the group");
+  if (out.head.protocol.name.empty()) root.defect().note("protocol.name", "is empty");
+  if (out.branch && out.find(&ColumnDescription::is_branch))
+    root.defect().note("protocol.branch", "contradicts the column that gives the branch");
   root.finish();
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,7 @@ struct Description {
   std::vector<std::pair<std::string, std::vector<std::string>>>
       where;  ///< keep rows with these cells
   std::vector<ColumnDescription> columns;
+  std::optional<Branch> branch;        ///< all rows, where the description says so
   bool runs_repeat = false;            ///< all runs are one group
   bool assume_unit_width = false;      ///< 1 m
   bool assume_unit_thickness = false;  ///< 1 mm

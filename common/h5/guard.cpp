@@ -118,10 +118,11 @@ Expected<void> run_guarded(const std::string& path, const std::function<Expected
     // no other thread is inside HDF5 while the process is copied
     const std::lock_guard lock(library_lock());
     pid = ::fork();
-  }
-  if (pid == 0) {
-    ::close(ends[0]);
-    child(ends[1], address_space, limits, read);
+    if (pid == 0) {
+      renew_library_lock_in_child();
+      ::close(ends[0]);
+      child(ends[1], address_space, limits, read);
+    }
   }
   ::close(ends[1]);
   if (pid < 0) {

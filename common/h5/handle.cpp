@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/h5/handle.h"
 
+#include <new>
+
 namespace tenter::h5 {
 
 std::recursive_mutex& library_lock() {
@@ -14,6 +16,10 @@ std::recursive_mutex& library_lock() {
   thread_local const herr_t silenced = H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   static_cast<void>(silenced);
   return *lock;
+}
+
+void renew_library_lock_in_child() {
+  new (&library_lock()) std::recursive_mutex;
 }
 
 }  // namespace tenter::h5

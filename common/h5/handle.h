@@ -14,6 +14,11 @@ namespace tenter::h5 {
 /// it.
 std::recursive_mutex& library_lock();
 
+/// In a fresh child of fork(), made while the caller held the lock: gives the child a free one. (A
+/// recursive mutex knows its owner by thread number, which is another one there, so it could not be
+/// unlocked.)
+void renew_library_lock_in_child();
+
 /// Owns one identifier of any type.
 class Handle {
  public:
@@ -29,6 +34,7 @@ class Handle {
     if (id_ >= 0) H5Idec_ref(id_);
   }
   hid_t get() const { return id_; }
+  hid_t release() { return std::exchange(id_, -1); }
   explicit operator bool() const { return id_ >= 0; }
 
  private:

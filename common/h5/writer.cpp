@@ -2,6 +2,7 @@
 #include "common/h5/writer.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 
 #include "common/base/atomic_write.h"
@@ -13,7 +14,7 @@ namespace {
 
 constexpr hsize_t kChunkElements = 16384;
 constexpr unsigned kDeflateLevel = 4;
-constexpr std::size_t kImageIncrement = std::size_t{1} << 20;
+constexpr std::size_t kMemoryStep = std::size_t{1} << 20;
 
 /// Fixed-length UTF-8 text of `length` bytes, padded with zeros. Length 0 does not exist in HDF5.
 Handle text_type(std::size_t length) {
@@ -37,6 +38,9 @@ std::vector<char> packed(const std::vector<std::string>& values, std::size_t* le
 }  // namespace
 
 struct H5Writer::Impl {
+  explicit Impl(Expected<AtomicFile> target) : place(std::move(target)) {}
+
+  Expected<AtomicFile> place;
   Handle file;
   std::string failed;  ///< the first object that HDF5 refused
 
@@ -79,14 +83,17 @@ struct H5Writer::Impl {
   }
 };
 
-H5Writer::H5Writer() : impl_(std::make_unique<Impl>()) {
+H5Writer::H5Writer(const std::string& path)
+    : impl_(std::make_unique<Impl>(AtomicFile::create(path))) {
+  if (!impl_->place) return;
   const std::lock_guard lock(library_lock());
   Handle access(H5Pcreate(H5P_FILE_ACCESS));
-  H5Pset_fapl_core(access.get(), kImageIncrement, false);
+  H5Pset_fapl_core(access.get(), kMemoryStep, true);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
   Handle creation(H5Pcreate(H5P_FILE_CREATE));
   H5Pset_obj_track_times(creation.get(), false);
-  impl_->file = Handle(H5Fcreate("in memory", H5F_ACC_TRUNC, creation.get(), access.get()));
+  impl_->file = Handle(
+      H5Fcreate(impl_->place->temporary().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()));
   impl_->note(static_cast<bool>(impl_->file), "/");
 }
 H5Writer::H5Writer(H5Writer&&) noexcept = default;
@@ -188,23 +195,18 @@ void H5Writer::attribute(const std::string& path, const std::string& name, std::
   impl_->put_attribute(path, name, H5T_STD_I64LE, H5T_NATIVE_INT64, space, &value);
 }
 
-Expected<void> H5Writer::save(const std::string& path) && {
-  std::vector<char> image;
+Expected<void> H5Writer::save() && {
+  if (!impl_->place) return tl::unexpected(impl_->place.error());
   {
     const std::lock_guard lock(library_lock());
     if (!impl_->failed.empty())
-      return fail(ErrorKind::internal, path + ": HDF5 refused to make " + impl_->failed + ".");
-    bool ok = H5Fflush(impl_->file.get(), H5F_SCOPE_GLOBAL) >= 0;
-    const ssize_t size = ok ? H5Fget_file_image(impl_->file.get(), nullptr, 0) : -1;
-    if (size > 0) {
-      image.resize(static_cast<std::size_t>(size));
-      ok = H5Fget_file_image(impl_->file.get(), image.data(), image.size()) == size;
-    }
-    if (!ok || size <= 0)
-      return fail(ErrorKind::internal, path + ": HDF5 could not finish the file in memory.");
-    impl_->file = Handle();
+      return impl_->place->error(("HDF5: making " + impl_->failed).c_str(), EINVAL);
+    // the one moment at which bytes go to disk
+    errno = 0;
+    if (H5Fclose(impl_->file.release()) < 0)
+      return impl_->place->error("writing", errno != 0 ? errno : EIO);
   }
-  return write_atomically(path, image.data(), image.size());
+  return impl_->place->commit();
 }
 
 }  // namespace tenter::h5

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes one HDF5 file whose bytes depend on its content only, so that the content names the file.
 //
-//   H5Writer file;
+//   H5Writer file(path);
 //   file.group("/entry", "NXentry");
 //   file.text("/entry/title", "a title");
 //   file.array("/entry/data/force", values, "N");
-//   Expected<void> done = std::move(file).save(path);
+//   Expected<void> done = std::move(file).save();
 //
-// The file is built in memory (HDF5's core driver), then written beside `path`, synced and renamed
+// The file is built in memory (a memfd), then written beside `path`, synced and renamed
 // into place: a reader sees the old file or the whole new one. Arrays are chunked, deflated and
 // carry Fletcher32 checksums; scalars and texts live in object headers, which the 1.10 format
 // checksums too. No time stamps are stored. The first failure is kept and reported by save(). One
@@ -25,7 +25,7 @@ namespace tenter::h5 {
 
 class H5Writer {
  public:
-  H5Writer();
+  explicit H5Writer(const std::string& path);
   H5Writer(H5Writer&&) noexcept;
   H5Writer& operator=(H5Writer&&) noexcept;
   ~H5Writer();
@@ -50,8 +50,8 @@ class H5Writer {
   void attribute(const std::string& path, const std::string& name, double value);
   void attribute(const std::string& path, const std::string& name, std::int64_t value);
 
-  /// Ends the file and puts it at `path`. A full disk is ErrorKind::no_space.
-  Expected<void> save(const std::string& path) &&;
+  /// Ends the file and puts it at its path. A full disk is ErrorKind::no_space.
+  Expected<void> save() &&;
 
  private:
   struct Impl;

@@ -106,7 +106,9 @@ Expected<pid_t> spawn(const fs::path& program, const WorkOrder& order, int pipe_
 }
 
 // glibc 2.36 declares pidfd_open for C only
-int open_process(pid_t pid) { return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)); }
+int open_process(pid_t pid) {
+  return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
+}
 
 std::string signal_words(int signal) {
   return "signal " + std::to_string(signal) + " (" + ::strsignal(signal) + ")";

@@ -11,8 +11,9 @@ namespace tenter::jobs {
 namespace {
 
 [[noreturn]] void raise(sqlite3* db, int code, std::string_view doing) {
+  const int last_errno = errno;  // SQLite forgets it when a COMMIT fails
   const int primary = code & 0xff;
-  const int system = db ? sqlite3_system_errno(db) : 0;
+  const int system = db && sqlite3_system_errno(db) != 0 ? sqlite3_system_errno(db) : last_errno;
   const std::string reason = db ? sqlite3_errmsg(db) : sqlite3_errstr(code);
   const char* name = db ? sqlite3_db_filename(db, "main") : nullptr;
   const std::string file = name && *name ? name : "the job database";

@@ -81,12 +81,12 @@ struct Submitted {
 };
 
 struct JobFilter {
-  std::string user;  ///< "": everybody's
-  std::optional<JobState> state;
-  std::string kind;     ///< "": all
-  std::string capture;  ///< "": all; else jobs that use this capture
-  JobId before = 0;     ///< 0: from the newest; else jobs older than this one
-  int limit = 100;      ///< 1..1000
+  std::string user = {};  ///< "": everybody's
+  std::optional<JobState> state = std::nullopt;
+  std::string kind = {};     ///< "": all
+  std::string capture = {};  ///< "": all; else jobs that use this capture
+  JobId before = 0;          ///< 0: from the newest; else jobs older than this one
+  int limit = 100;           ///< 1..1000
 };
 
 struct JobPage {
@@ -123,8 +123,8 @@ struct CaptureRecord {
 };
 
 struct CaptureFilter {
-  std::string user;
-  std::string kind;
+  std::string user = {};
+  std::string kind = {};
   std::int64_t offset = 0;
   int limit = 100;  ///< 1..1000
 };

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/jobs/spec.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/server/jobs/jobs_fixture.h"
+
+namespace tenter::jobs {
+namespace {
+
+std::string complaint(const std::string& text) {
+  const auto spec = parse_spec(text);
+  EXPECT_FALSE(spec) << text;
+  if (spec) return "";
+  EXPECT_EQ(spec.error().kind, ErrorKind::bad_input);
+  return spec.error().message;
+}
+
+TEST(Spec, OrderAndSpacesDoNotMatter) {
+  const auto one = MUST(parse_spec(spec_text("a")));
+  const auto two =
+      MUST(parse_spec(R"({ "options": {"fake": {}, "nonce": "a"}, "model": {}, "captures": [")" +
+                      kCapture + R"("], "kind": "fit", "version": 1, "schema": "tenter.job" })"));
+  EXPECT_EQ(one.canonical, two.canonical);
+  EXPECT_EQ(one.sha256, two.sha256);
+  EXPECT_EQ(one.kind, "fit");
+  EXPECT_EQ(one.captures, std::vector<std::string>{kCapture});
+  EXPECT_NE(one.sha256, MUST(parse_spec(spec_text("b"))).sha256);
+}
+
+TEST(Spec, MissingOptionsAreEmptyOptions) {
+  const std::string head = R"({"schema":"tenter.job","version":1,"kind":"fit","captures":[")" +
+                           kCapture + R"("],"model":{})";
+  EXPECT_EQ(MUST(parse_spec(head + "}")).sha256,
+            MUST(parse_spec(head + R"(,"options":{}})")).sha256);
+}
+
+TEST(Spec, ComplaintsNameTheKey) {
+  const auto with = [](const std::string& from, const std::string& to) {
+    std::string text = spec_text("a");
+    return text.replace(text.find(from), from.size(), to);
+  };
+  EXPECT_NE(complaint("{").find("not JSON"), std::string::npos);
+  EXPECT_NE(complaint("[]").find("not a JSON object"), std::string::npos);
+  EXPECT_NE(complaint(with("tenter.job", "tenter.jab")).find("\"schema\""), std::string::npos);
+  EXPECT_NE(complaint(with("\"version\":1", "\"version\":2")).find("\"version\""),
+            std::string::npos);
+  EXPECT_NE(complaint(with("\"version\":1", "\"version\":1.0")).find("\"version\""),
+            std::string::npos);
+  EXPECT_NE(complaint(with("\"fit\"", "\"fitt\"")).find("\"kind\""), std::string::npos);
+  EXPECT_NE(complaint(with(kCapture, "abc")).find("captures[0]"), std::string::npos);
+  EXPECT_NE(complaint(with("\"" + kCapture + "\"", "")).find("at least one capture"),
+            std::string::npos);
+  EXPECT_NE(complaint(with("\"" + kCapture + "\"", "\"" + kCapture + "\",\"" + kCapture + "\""))
+                .find("twice"),
+            std::string::npos);
+  EXPECT_NE(complaint(with("\"model\":{}", "\"model\":[]")).find("\"model\""), std::string::npos);
+  EXPECT_NE(complaint(with("\"options\":", "\"option\":")).find("unknown key \"option\""),
+            std::string::npos);
+  EXPECT_NE(complaint(with("\"kind\"", "\"version\"")).find("twice"), std::string::npos);
+  EXPECT_NE(complaint(with("\"a\"", "\"\xff\"")).find("JSON"), std::string::npos);
+  EXPECT_NE(complaint(std::string(kMaxSpecBytes + 1, ' ')).find("more than the allowed"),
+            std::string::npos);
+  EXPECT_NE(complaint(with("{}", std::string(500000, '['))).find("JSON"), std::string::npos);
+  EXPECT_NE(
+      complaint(with("{}", std::string(400000, '[') + std::string(400000, ']'))).find("nested"),
+      std::string::npos);
+}
+
+TEST(Spec, TheModelIsCheckedByWhoKnowsModels) {
+  const auto refuse_all = [](std::string_view) -> Expected<void> {
+    return bad_input("terms: missing");
+  };
+  const auto spec = parse_spec(spec_text("a"), refuse_all);
+  ASSERT_FALSE(spec);
+  EXPECT_EQ(spec.error().message, "job specification: model: terms: missing");
+}
+
+}  // namespace
+}  // namespace tenter::jobs

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// capture import, validate, show, export: files only, no server.
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "client/cli/commands/capture.h"
+#include "client/cli/commands/commands.h"
+#include "client/cli/context.h"
+#include "client/cli/output.h"
+#include "common/base/sha256.h"
+#include "common/capture/capture_file.h"
+#include "common/capture/csv_import.h"
+
+namespace tenter::cli {
+
+namespace {
+
+struct Import {
+  std::string csv;
+  std::string describe;
+  std::string output;
+  bool force = false;
+};
+
+Json capture_json(const capture::Capture& capture, const std::string& file, const std::string& id) {
+  Json channels = Json::array();
+  for (const capture::Channel& channel : capture.channels)
+    channels.push_back({{"name", channel.name}, {"unit", channel.unit}, {"sigma", channel.sigma}});
+  return {{"file", file},
+          {"id", id},
+          {"kind", capture.kind},
+          {"title", capture.title},
+          {"synthetic", capture.provenance.synthetic},
+          {"specimen", capture.specimen.name},
+          {"material", capture.specimen.material},
+          {"protocol", capture.protocol.name},
+          {"runs", capture.runs.size()},
+          {"frames", capture.frame_count()},
+          {"has_time", !capture.time_s.empty()},
+          {"channels", channels}};
+}
+
+std::string counts(const capture::Capture& capture) {
+  return std::to_string(capture.frame_count()) + " frames in " +
+         std::to_string(capture.runs.size()) + (capture.runs.size() == 1 ? " run, " : " runs, ") +
+         std::to_string(capture.channels.size()) + " channels";
+}
+
+/// Imports into a file beside the output first, so that what is there stays if anything is wrong.
+Expected<void> import_capture(const Context& context, const Import& order) {
+  namespace fs = std::filesystem;
+  const Expected<capture::Capture> capture = capture::import_csv(order.csv, order.describe);
+  if (!capture) return tl::unexpected(capture.error());
+  const fs::path output =
+      order.output.empty() ? fs::path(order.csv).replace_extension(".h5") : fs::path(order.output);
+  const fs::path draft = output.string() + ".importing";
+  std::error_code failed;
+  const auto drop_draft = [&] { fs::remove(draft, failed); };
+  if (auto written = capture::write_capture(*capture, draft.string()); !written) {
+    drop_draft();
+    return written;
+  }
+  const Expected<std::string> id = sha256_file(draft);
+  if (!id) {
+    drop_draft();
+    return tl::unexpected(id.error());
+  }
+  if (fs::exists(output, failed) && !order.force) {
+    const Expected<std::string> there = sha256_file(output);
+    if (!there || *there != *id) {
+      drop_draft();
+      return fail(ErrorKind::refused,
+                  output.string() + ": exists and holds something else; --force replaces it");
+    }
+  }
+  fs::rename(draft, output, failed);
+  if (failed) {
+    const std::string reason = failed.message();
+    drop_draft();
+    return fail(ErrorKind::no_space, output.string() + ": cannot be written: " + reason);
+  }
+  if (context.json)
+    print_json(capture_json(*capture, output.string(), *id));
+  else
+    print_text(output.string() + ": " + counts(*capture) + "\n" + *id + "\n");
+  return {};
+}
+
+Expected<void> validate_captures(const Context& context, const std::vector<std::string>& files) {
+  Json checked = Json::array();
+  for (const std::string& file : files) {
+    std::vector<std::string> ignored;
+    const Expected<capture::Capture> capture = capture::read_capture_guarded(file, &ignored);
+    if (!capture) return tl::unexpected(capture.error());
+    const Expected<std::string> id = sha256_file(file);
+    if (!id) return tl::unexpected(id.error());
+    Json entry = capture_json(*capture, file, *id);
+    entry["valid"] = true;
+    entry["ignored"] = ignored;
+    checked.push_back(std::move(entry));
+    if (context.json) continue;
+    print_text(file + ": valid, " + counts(*capture) +
+               (capture->provenance.synthetic ? " [SYNTHETIC]" : "") + "\n");
+    for (const std::string& object : ignored)
+      print_text("  not known to this version, ignored: " + object + "\n");
+  }
+  if (context.json) print_json({{"captures", checked}});
+  return {};
+}
+
+void add_import(CLI::App& group, Context& context) {
+  CLI::App* command =
+      group.add_subcommand("import", "make a capture of a CSV file and its description");
+  command->footer(
+      "The description is a small JSON file that names the columns, their units, the specimen and "
+      "the protocol; see "
+      "common/capture/README.md. What cannot be understood is refused with file, line and column, "
+      "exit code 2, and "
+      "nothing is written. Prints the SHA-256 that names the capture.\n"
+      "EXAMPLES\n"
+      "    tenter capture import pull.csv --describe pull.json\n"
+      "    tenter capture import pull.csv --describe pull.json -o captures/pull.h5\n");
+  auto order = std::make_shared<Import>();
+  command->add_option("FILE", order->csv, "The CSV file.")->required();
+  command->add_option("--describe", order->describe, "What its columns are (JSON).")
+      ->type_name("FILE")
+      ->required();
+  command
+      ->add_option("-o,--output", order->output,
+                   "The capture file to write. Default: FILE with .h5 in place of its extension.")
+      ->type_name("FILE");
+  command->add_flag("--force", order->force, "Replace an output file that holds something else.");
+  command->callback([&context, order] {
+    context.command = [&context, order] { return import_capture(context, *order); };
+  });
+}
+
+void add_validate(CLI::App& group, Context& context) {
+  CLI::App* command = group.add_subcommand("validate", "check capture files");
+  command->footer(
+      "Reads each file in a process with limits. A bad one is named with the bad group and why, "
+      "exit code 2.\n"
+      "EXAMPLES\n    tenter capture validate *.h5\n");
+  auto files = std::make_shared<std::vector<std::string>>();
+  command->add_option("FILE", *files, "Capture files (.h5).")->required();
+  command->callback([&context, files] {
+    context.command = [&context, files] { return validate_captures(context, *files); };
+  });
+}
+
+}  // namespace
+
+void add_capture_files(CLI::App& group, Context& context) {
+  add_import(group, context);
+  add_validate(group, context);
+}
+
+void add_capture(CLI::App& app, Context& context) {
+  CLI::App* group =
+      app.add_subcommand("capture", "import, check, show, export, send and list captures");
+  group->require_subcommand(1);
+  add_capture_files(*group, context);
+  add_capture_server(*group, context);
+}
+
+}  // namespace tenter::cli

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// fit, simulate, diagnose: three kinds of one job (client/cli/job_run.h).
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "client/cli/commands/commands.h"
+#include "client/cli/job_run.h"
+#include "client/cli/output.h"
+
+namespace tenter::cli {
+
+namespace {
+
+/// --set KEY=VALUE: VALUE is JSON, or text where it is not.
+Expected<void> set_option(nlohmann::json& options, const std::string& assignment) {
+  const std::size_t at = assignment.find('=');
+  if (at == std::string::npos || at == 0)
+    return bad_input("--set " + assignment + ": must be KEY=VALUE");
+  const std::string key = assignment.substr(0, at);
+  const std::string text = assignment.substr(at + 1);
+  nlohmann::json value = nlohmann::json::parse(text, nullptr, false);
+  options[key] = value.is_discarded() ? nlohmann::json(text) : value;
+  return {};
+}
+
+struct Draft {
+  JobRun run;
+  long long seed = -1;
+  std::string leave_out;
+  int max_effects = -1;
+  std::vector<std::string> sets;
+};
+
+Expected<void> start(Context& context, Draft& draft) {
+  nlohmann::json& options = draft.run.options;
+  if (draft.seed >= 0) options["seed"] = draft.seed;
+  if (!draft.leave_out.empty()) options["leave_out"] = draft.leave_out;
+  if (draft.max_effects >= 0) options["max_effects"] = draft.max_effects;
+  for (const std::string& assignment : draft.sets)
+    if (auto set = set_option(options, assignment); !set) return set;
+  return run_job(context, draft.run);
+}
+
+CLI::App* add_run(CLI::App& app, Context& context, const char* kind, const char* words,
+                  const char* footer, const std::shared_ptr<Draft>& draft) {
+  draft->run.kind = kind;
+  draft->run.model = "stvk_orthotropic";
+  CLI::App* command = app.add_subcommand(kind, words);
+  command->footer(footer);
+  command
+      ->add_option("CAPTURE", draft->run.captures,
+                   "Capture files (.h5), sent to the server unless it has them, or the SHA-256 of "
+                   "captures on the server (6 digits or more).")
+      ->required();
+  command
+      ->add_option("--model", draft->run.model,
+                   "Name of a shipped model, or a model file. Default: stvk_orthotropic.")
+      ->type_name("NAME_OR_FILE");
+  command->add_option("--seed", draft->seed, "Seed of everything random in the job.")
+      ->type_name("N")
+      ->check(CLI::Range(0LL, 4294967295LL));
+  command
+      ->add_option("--set", draft->sets,
+                   "Any other option of the job as KEY=VALUE; may be repeated.")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all();
+  command->add_flag("--detach", draft->run.detach, "Do not wait for the job; print its number.");
+  command
+      ->add_option("--output", draft->run.output, "Keep the result document (JSON) in this file.")
+      ->type_name("FILE");
+  command
+      ->add_option("--report", draft->run.report, "Write the report, one HTML page, to this file.")
+      ->type_name("FILE");
+  command
+      ->add_option("--save-model", draft->run.save_model,
+                   "Write the resulting model document to this file.")
+      ->type_name("FILE");
+  add_submit_options(*command, draft->run.submit);
+  command->callback([&context, draft] {
+    context.command = [&context, draft] { return start(context, *draft); };
+  });
+  return command;
+}
+
+void add_leave_out(CLI::App* command, const std::shared_ptr<Draft>& draft) {
+  command
+      ->add_option("--leave-out", draft->leave_out,
+                   "What is left out in turn to measure the error on what a fit never saw: "
+                   "protocols, repeats, or "
+                   "none. Default: protocols where there are several, else repeats.")
+      ->type_name("WHAT")
+      ->check(CLI::IsMember({"auto", "protocols", "repeats", "none"}));
+}
+
+}  // namespace
+
+void add_diagnose(CLI::App& app, Context& context) {
+  auto draft = std::make_shared<Draft>();
+  CLI::App* command = add_run(
+      app, context, "diagnose",
+      "find what a model gets wrong on captures, why, and which model would be right",
+      "Fits the model, compares what it misses with the noise, screens every known cause, refits "
+      "with the best ones, "
+      "and tests the gain on captures that the fit never saw. Prints one verdict per finding: "
+      "NAMED, AMBIGUOUS (with the "
+      "capture that would decide), SENSOR, NOT EXCITED, UNEXPLAINED, NUMERICAL or NOTHING FOUND. "
+      "Several captures, of one "
+      "specimen or of several of one material, are diagnosed together.\n"
+      "\n"
+      "Ctrl-C stops waiting, the job goes on. The same job again is answered from the store.\n"
+      "\n"
+      "With --json the object has verdicts (each: verdict, effect, size, interval, p_value, "
+      "alternatives, "
+      "next_protocol), noise_floor, error_before, error_after, held_out_before, held_out_after, "
+      "unexplained_share, "
+      "captures, parameters, path, screen, checklist, model and job_id.\n"
+      "EXAMPLES\n"
+      "    tenter diagnose pull.h5 --report report.html\n"
+      "    tenter diagnose warp.h5 weft.h5 shear.h5 --model soft_constraints\n"
+      "    tenter --json diagnose pull.h5 | jq -r '.verdicts[] | [.verdict, .effect] | @tsv'\n"
+      "    tenter diagnose 3fa9c1 --detach --priority 20\n",
+      draft);
+  add_leave_out(command, draft);
+  command
+      ->add_option("--max-effects", draft->max_effects,
+                   "At most so many effects are added to the model.")
+      ->type_name("N")
+      ->check(CLI::Range(0, 50));
+}
+
+void add_fit(CLI::App& app, Context& context) {
+  auto draft = std::make_shared<Draft>();
+  CLI::App* command =
+      add_run(app, context, "fit", "fit the parameters of a model to captures",
+              "Prints the error against the noise floor, and keeps the fitted model with the "
+              "intervals of its parameters.\n"
+              "EXAMPLES\n"
+              "    tenter fit pull.h5 --model stvk_orthotropic_spline --save-model fitted.json\n"
+              "    tenter --json fit pull.h5 | jq '.parameters'\n",
+              draft);
+  add_leave_out(command, draft);
+}
+
+void add_simulate(CLI::App& app, Context& context) {
+  auto draft = std::make_shared<Draft>();
+  add_run(app, context, "simulate", "run a model as it is along the paths of captures",
+          "Nothing is fitted: the model's own values predict every frame, and the error against "
+          "the measurement is "
+          "shown. `tenter residuals` prints the predictions.\n"
+          "EXAMPLES\n"
+          "    tenter simulate pull.h5 --model fitted.json\n"
+          "    tenter residuals last --format csv > predictions.csv\n",
+          draft);
+}
+
+}  // namespace tenter::cli

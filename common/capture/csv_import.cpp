@@ -334,10 +334,9 @@ Expected<Capture> import_csv(const std::string& csv_path, const std::string& des
   if (!table) return tl::unexpected(table.error());
   Expected<Capture> capture = Import(*table, *description, csv_path, describe_path).run();
   if (!capture) return capture;
-  Provenance& provenance = capture->provenance;
-  if (provenance.imported_from.empty()) {
-    provenance.imported_from = std::filesystem::path(csv_path).filename().string();
-    provenance.imported_sha256 = sha256_hex(*text);
+  if (!description->origin_given) {
+    capture->provenance.imported_from = std::filesystem::path(csv_path).filename().string();
+    capture->provenance.imported_sha256 = sha256_hex(*text);
   }
   if (auto ok = validate(*capture); !ok)
     return fail(ok.error().kind,

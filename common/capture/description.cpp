@@ -167,7 +167,9 @@ void read_protocol(JsonObject object, Description& out) {
   object.finish();
 }
 
-void read_provenance(JsonObject object, Provenance& out) {
+void read_provenance(JsonObject object, Description& description) {
+  Provenance& out = description.head.provenance;
+  description.origin_given = object.has("imported_from");
   out.synthetic = object.flag_or("synthetic", false);
   out.source = object.text("source");
   out.licence = object.text_or("licence", "");
@@ -249,7 +251,7 @@ void read_root(JsonObject& root, Description& out) {
   check_columns(out, root.defect());
   read_specimen(root.object("specimen"), out.head.specimen);
   read_protocol(root.object("protocol"), out);
-  read_provenance(root.object("provenance"), out.head.provenance);
+  read_provenance(root.object("provenance"), out);
   read_kinematics(root.object("kinematics"), out.head.kinematics);
   if (std::optional<JsonObject> stresses = root.maybe_object("stresses"))
     for (const std::string& component : stresses->keys())

@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <set>
 
 #include "common/capture/vocabulary.h"
@@ -31,6 +32,35 @@ bool well_formed(const std::string& name) {
                      [](unsigned char c) { return c < 128 && (std::isalnum(c) != 0 || c == '_'); });
 }
 
+/// Why a text cannot be kept, or "": valid UTF-8 without control characters (line end and tab
+/// apart), so that it can go into JSON, pages and terminals as it is.
+std::string trouble_in(const std::string& text) {
+  if (text.size() > kMaxText) return "is longer than " + std::to_string(kMaxText) + " bytes";
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    if ((lead < 0x20 && lead != '\n' && lead != '\t') || lead == 0x7f)
+      return "holds a control character";
+    const std::size_t length = lead < 0x80   ? 1
+                               : lead < 0xc2 ? 0
+                               : lead < 0xe0 ? 2
+                               : lead < 0xf0 ? 3
+                               : lead < 0xf5 ? 4
+                                             : 0;
+    if (length == 0 || i + length > text.size()) return "is not valid UTF-8";
+    std::uint32_t code = length == 1 ? lead : lead & (0xffU >> (length + 1));
+    for (std::size_t k = 1; k < length; ++k) {
+      const auto next = static_cast<unsigned char>(text[i + k]);
+      if ((next & 0xc0U) != 0x80U) return "is not valid UTF-8";
+      code = code << 6 | (next & 0x3fU);
+    }
+    const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
+    if (overlong || code > 0x10ffff || (code >= 0xd800 && code < 0xe000))
+      return "is not valid UTF-8";
+    i += length;
+  }
+  return "";
+}
+
 std::string at_frame(const Capture& capture, std::size_t i) {
   return "run " + std::to_string(capture.runs[static_cast<std::size_t>(capture.run[i])].number) +
          ", frame " + std::to_string(capture.frame[i]);
@@ -52,11 +82,8 @@ Expected<void> check_texts(const Capture& capture) {
       {"provenance.imported_from", &p.imported_from},
       {"provenance.imported_sha256", &p.imported_sha256}};
   for (const auto& [name, text] : texts) {
-    if (text->size() > kMaxText)
-      return bad_input(std::string(name) + " is longer than " + std::to_string(kMaxText) +
-                       " bytes");
-    if (text->find('\0') != std::string::npos)
-      return bad_input(std::string(name) + " holds a zero byte");
+    const std::string trouble = trouble_in(*text);
+    if (!trouble.empty()) return bad_input(std::string(name) + " " + trouble);
   }
   if (capture.kind != "homogeneous_strain" && capture.kind != "tracked_points")
     return bad_input("kind " + quoted(capture.kind) +
@@ -90,9 +117,12 @@ Expected<void> check_sizes(const Capture& capture) {
 
 Expected<void> check_runs(const Capture& capture) {
   std::set<int> numbers;
-  for (const Run& run : capture.runs)
+  for (const Run& run : capture.runs) {
     if (!numbers.insert(run.number).second)
       return bad_input("run number " + std::to_string(run.number) + " appears twice");
+    if (const std::string trouble = trouble_in(run.group); !trouble.empty())
+      return bad_input("the group of run " + std::to_string(run.number) + " " + trouble);
+  }
   const int runs = static_cast<int>(capture.runs.size());
   const int phases = static_cast<int>(capture.protocol.phases.size());
   for (std::size_t i = 0; i < capture.frame_count(); ++i) {
@@ -167,8 +197,8 @@ Expected<void> check_channels(const Capture& capture) {
       return bad_input(name + " has no unit");
     for (const std::string* text :
          {&channel.unit, &channel.source_unit, &channel.description, &channel.point})
-      if (text->size() > kMaxText || text->find('\0') != std::string::npos)
-        return bad_input(name + " has a text that is too long or holds a zero byte");
+      if (const std::string trouble = trouble_in(*text); !trouble.empty())
+        return bad_input(name + " has a text that " + trouble);
     if (!(channel.sigma >= 0.0 && std::isfinite(channel.sigma)))
       return bad_input(name + " has a negative or unusable sigma");
     if (!(channel.resolution >= 0.0 && std::isfinite(channel.resolution)))
@@ -212,8 +242,9 @@ Expected<void> check_protocol(const Protocol& protocol) {
     return bad_input("protocol.nominal_rate_per_s must be positive");
   std::set<std::string> names;
   for (const Phase& phase : protocol.phases) {
-    if (phase.name.empty() || phase.name.size() > kMaxText)
-      return bad_input("a phase of the protocol has no name");
+    if (phase.name.empty()) return bad_input("a phase of the protocol has no name");
+    if (const std::string trouble = trouble_in(phase.name); !trouble.empty())
+      return bad_input("the name of a phase " + trouble);
     if (!names.insert(phase.name).second)
       return bad_input("phase " + quoted(phase.name) + " appears twice");
     const std::array<std::string, 5> kinds = {"ramp", "cycle", "hold", "step", "other"};

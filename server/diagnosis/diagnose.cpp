@@ -104,7 +104,7 @@ std::vector<Accepted> go_forward(Diagnosis& d, Reference& current, const Request
     options.seed = request.options.seed + static_cast<unsigned long long>(round);
     const Screen found = screen(current.model, current.fit, d.data, d.noise, excitation, options);
     if (round == 0) d.first_screen = found;
-    const std::vector<Candidate> candidates = shortlist(found, 6, 2);
+    const std::vector<Candidate> candidates = shortlist(found, 5, 3);
     if (candidates.empty() || control.stop.stop_requested()) break;
     control.report({"refit", candidates.front().effect->id, round, current.fit.chi2, fraction + 0.03});
     std::vector<Trial> trials = run_round(candidates, current, d, static_cast<int>(accepted.size()), control);
@@ -156,13 +156,17 @@ void measure_gain(Diagnosis& d, const Control& control) {
   d.after = score_of(*d.data, rows, d.extended.fit.residuals, -1);
   d.noise_floor = noise_floor_of(*d.data, rows, d.noise, -1);
   control.report({"held out", "", 0, d.extended.fit.chi2, 0.9});
-  const estimation::Folds folds = estimation::make_folds(*d.data, rows, d.extended.fit);
   std::optional<estimation::HeldOut> before;
   std::optional<estimation::HeldOut> after;
-  if (!folds.training.empty()) {
-    d.held_out_kind = folds.kind;
+  for (const std::string& kind : estimation::fold_kinds()) {
+    const estimation::Folds folds = estimation::make_folds(*d.data, rows, kind);
+    if (folds.training.empty()) continue;
     before = held_out(d.baseline, d.data, folds);
     after = held_out(d.extended, d.data, folds);
+    d.held_out_kind = kind;
+    // the hardest kind that either went well or could have been foretold
+    if (before && after && after->chi2 <= before->chi2) break;
+    if (estimation::folds_determine(*d.data, rows, d.extended.fit, folds)) break;
   }
   if (before) d.held_out_before = score_of(*d.data, rows, before->residuals, -1);
   if (after) d.held_out_after = score_of(*d.data, rows, after->residuals, -1);

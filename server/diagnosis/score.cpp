@@ -61,7 +61,7 @@ double noise_floor_of(const DataSet& data, const std::vector<Row>& rows, const e
   for (const std::size_t r : scored_rows(data, rows, curve)) {
     const auto& channel =
         noise.channels[static_cast<std::size_t>(rows[r].curve)][static_cast<std::size_t>(rows[r].channel)];
-    const double sigma = channel.repeat_sigma > 0.0 ? channel.repeat_sigma : channel.sigma;
+    const double sigma = channel.floor_sigma;
     const double m = measured(data, rows[r]);
     error += sigma * sigma;
     power += m * m;

@@ -243,7 +243,8 @@ Screen screen(const model::Model& fitted, const estimation::FitResult& fit,
 
   std::vector<Eigen::Index> free;
   for (std::size_t i = 0; i < fit.states.size(); ++i)
-    if (fit.states[i] == estimation::ParameterState::free) free.push_back(static_cast<Eigen::Index>(i));
+    if (fit.states[i] == estimation::ParameterState::free || fit.states[i] == estimation::ParameterState::flat)
+      free.push_back(static_cast<Eigen::Index>(i));
   Eigen::MatrixXd own_columns(residuals.size(), static_cast<Eigen::Index>(free.size()));
   for (std::size_t c = 0; c < free.size(); ++c)
     own_columns.col(static_cast<Eigen::Index>(c)) = fit.jacobian.col(free[c]);

@@ -192,7 +192,7 @@ void add_unexplained(Diagnosis& d, const Screen& last, bool anything_found) {
   const double missed = std::max(0.0, d.baseline.fit.chi2 - expected);
   const double left = std::max(0.0, d.extended.fit.chi2 - expected);
   d.unexplained_share = missed > 0.0 ? std::min(1.0, left / missed) : 0.0;
-  const bool lacks_fit = last.lack_of_fit > 1.0 && left > 0.05 * expected;
+  const bool lacks_fit = last.lack_of_fit > 1.0 && left > 0.1 * expected;
   if (!lacks_fit) {
     d.unexplained_share = 0.0;
     if (anything_found) return;

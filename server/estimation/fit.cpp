@@ -107,11 +107,18 @@ void describe(const std::vector<const model::Parameter*>& parameters, const std:
     j.col(c) /= norms[c];
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(j.transpose() * j);
-  static constexpr double kFlat = 1e-10;  // smallest eigenvalue of the scaled normal matrix that counts as information
-  const Eigen::VectorXd inverse =
-      eigen.eigenvalues().unaryExpr([](double l) { return 1.0 / std::max(l, kFlat); });
-  const Eigen::MatrixXd covariance =
-      eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  // directions in which the data say nothing are left out of the covariance; parameters that lie in them are flat
+  static constexpr double kFlat = 1e-9;  // share of the largest eigenvalue of the scaled normal matrix
+  const double largest = eigen.eigenvalues()[m - 1];
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(m, m);
+  Eigen::VectorXd unseen = Eigen::VectorXd::Zero(m);
+  for (Eigen::Index k = 0; k < m; ++k) {
+    const Eigen::VectorXd direction = eigen.eigenvectors().col(k);
+    if (eigen.eigenvalues()[k] > kFlat * largest)
+      covariance += direction * direction.transpose() / eigen.eigenvalues()[k];
+    else
+      unseen += direction.cwiseAbs2();
+  }
   // one sigma of a row stands for rows/effective_rows of them, and more where the model's form is wrong
   const double used = weights.sum();
   const double inflation = std::max(1.0, result.chi2 / std::max(1.0, used)) * used /
@@ -120,8 +127,8 @@ void describe(const std::vector<const model::Parameter*>& parameters, const std:
     const int i = moving[static_cast<std::size_t>(c)];
     const auto k = static_cast<std::size_t>(i);
     result.std_error[i] = std::sqrt(covariance(c, c) * std::max(1.0, inflation)) / norms[c];
-    const bool flat = covariance(c, c) > 0.01 / kFlat;
-    result.states[k] = flat ? ParameterState::flat : ParameterState::free;
+    constexpr double kUnseen = 0.01;  // of a parameter's own direction
+    result.states[k] = unseen[c] > kUnseen ? ParameterState::flat : ParameterState::free;
     for (Eigen::Index d = 0; d < m; ++d)
       result.correlation(i, moving[static_cast<std::size_t>(d)]) =
           covariance(c, d) / std::sqrt(covariance(c, c) * covariance(d, d));

@@ -26,35 +26,14 @@ int fold_label(const DataSet& data, const Row& row, const std::string& kind,
   return labels.emplace(key, static_cast<int>(labels.size())).first->second;
 }
 
-/// Every parameter that the whole data determine keeps at least a share of its information in each fold.
-bool stays_determined(const FitResult& fit, const Folds& folds) {
-  constexpr double kWorstInflation = 100.0;  // of a variance, by leaving a fold out
-  std::vector<Eigen::Index> moving;
-  for (std::size_t i = 0; i < fit.states.size(); ++i)
-    if (fit.states[i] == ParameterState::free) moving.push_back(static_cast<Eigen::Index>(i));
-  if (moving.empty()) return true;
-  const auto m = static_cast<Eigen::Index>(moving.size());
-  Eigen::MatrixXd j(fit.residuals.size(), m);
-  for (Eigen::Index c = 0; c < m; ++c) {
-    j.col(c) = fit.jacobian.col(moving[static_cast<std::size_t>(c)]);
-    j.col(c) /= j.col(c).norm();
-  }
-  const auto variances = [&](const Eigen::MatrixXd& normal) {
-    Eigen::MatrixXd regular = normal;
-    regular.diagonal().array() += 1e-12;
-    return Eigen::VectorXd(regular.ldlt().solve(Eigen::MatrixXd::Identity(m, m)).diagonal());
-  };
-  const Eigen::VectorXd whole = variances(j.transpose() * j);
-  for (const Eigen::VectorXd& training : folds.training) {
-    const Eigen::VectorXd part = variances(j.transpose() * training.asDiagonal() * j);
-    if ((part.array() > kWorstInflation * whole.array()).any()) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
-Folds folds_of_kind(const DataSet& data, const std::vector<Row>& rows, const std::string& kind) {
+const std::vector<std::string>& fold_kinds() {
+  static const std::vector<std::string> kinds = {"protocols", "repeats", "runs", "blocks"};
+  return kinds;
+}
+
+Folds make_folds(const DataSet& data, const std::vector<Row>& rows, const std::string& kind) {
   std::map<std::string, int> runs_in_group;
   std::vector<std::vector<int>> order(data.curves.size());
   for (std::size_t i = 0; i < data.curves.size(); ++i)
@@ -68,7 +47,7 @@ Folds folds_of_kind(const DataSet& data, const std::vector<Row>& rows, const std
   constexpr int kMostFolds = 8;
   const int members = static_cast<int>(labels.size());
   const int count = std::min(members, kMostFolds);
-  if (count < 2) return folds;
+  if (members < (kind == "protocols" ? 3 : 2)) return folds;
   for (int k = 0; k < count; ++k) {
     Eigen::VectorXd training = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(rows.size()));
     for (std::size_t r = 0; r < rows.size(); ++r)
@@ -78,14 +57,41 @@ Folds folds_of_kind(const DataSet& data, const std::vector<Row>& rows, const std
   return folds;
 }
 
-Folds make_folds(const DataSet& data, const std::vector<Row>& rows, const FitResult& fit) {
-  for (const char* kind : {"protocols", "repeats", "runs", "blocks"}) {
-    const Folds folds = folds_of_kind(data, rows, kind);
-    const std::size_t fewest = std::string(kind) == "protocols" ? 3 : 2;
-    if (folds.training.size() < fewest) continue;
-    if (stays_determined(fit, folds)) return folds;
+bool folds_determine(const DataSet& data, const std::vector<Row>& rows, const FitResult& fit, const Folds& folds) {
+  constexpr double kWorstShare = 0.33;
+  std::vector<Eigen::Index> moving;
+  for (std::size_t i = 0; i < fit.states.size(); ++i)
+    if (fit.states[i] == ParameterState::free || fit.states[i] == ParameterState::flat) moving.push_back(static_cast<Eigen::Index>(i));
+  if (moving.empty()) return true;
+  const auto m = static_cast<Eigen::Index>(moving.size());
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd j(n, m);
+  for (Eigen::Index c = 0; c < m; ++c) {
+    j.col(c) = fit.jacobian.col(moving[static_cast<std::size_t>(c)]);
+    j.col(c) /= j.col(c).norm();
   }
-  return {};
+  const double unit = std::max(1.0, fit.chi2 / std::max(1.0, fit.effective_rows - static_cast<double>(m)));
+  for (const Eigen::VectorXd& training : folds.training) {
+    Eigen::MatrixXd normal = j.transpose() * training.asDiagonal() * j;
+    normal.diagonal().array() += 1e-9;
+    const Eigen::LDLT<Eigen::MatrixXd> factor(normal);
+    double variance = 0.0;
+    double signal = 0.0;
+    for (Eigen::Index r = 0; r < n; ++r) {
+      if (training[r] > 0.0) continue;
+      const Row& row = rows[static_cast<std::size_t>(r)];
+      const ObservedChannel& channel =
+          data.curves[static_cast<std::size_t>(row.curve)].channels[static_cast<std::size_t>(row.channel)];
+      const double rest = channel.is_stress || channel.component == 2 ? 0.0 : 1.0;
+      const double value =
+          (channel.measured[static_cast<std::size_t>(row.frame)] - rest) / data.sigma_of(row);
+      signal += value * value;
+      const Eigen::VectorXd x = j.row(r).transpose();
+      variance += unit * x.dot(factor.solve(x));
+    }
+    if (variance > kWorstShare * kWorstShare * signal) return false;
+  }
+  return true;
 }
 
 HeldOut cross_validate(Evaluator& evaluator, const model::Model& model, const Folds& folds,

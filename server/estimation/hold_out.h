@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Errors on data that a fit did not see.
 //
-// Folds are left-out protocols (all runs of one group) where there are at least three of them and every parameter stays
-// determined without any one of them; else left-out repeats (the k-th run of every group); else left-out runs; else
-// left-out blocks. All folds of one comparison are the same for both models.
+// Folds are left-out protocols (all runs of one group), left-out repeats (the k-th run of every group), left-out runs or
+// left-out blocks; the first is the hardest test and the last the mildest. All folds of one comparison are the same for
+// both models.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,10 +19,14 @@ struct Folds {
   std::vector<Eigen::VectorXd> training;  ///< row weights of each fold: 0 on what is left out
 };
 
-/// `fit` is a fit of the larger of the models that are compared.
-Folds make_folds(const DataSet& data, const std::vector<Row>& rows, const FitResult& fit);
-/// One kind only, whatever it determines; empty where the data have fewer than two members of it.
-Folds folds_of_kind(const DataSet& data, const std::vector<Row>& rows, const std::string& kind);
+/// Kinds of folds, hardest first.
+const std::vector<std::string>& fold_kinds();
+/// Empty where the data have too few members of the kind: three protocols, two of the others.
+Folds make_folds(const DataSet& data, const std::vector<Row>& rows, const std::string& kind);
+
+/// What each fold leaves out can be predicted from the rest: the standard error of the prediction, with the misfit of
+/// the fit as its unit, stays below a third of the signal. Where it does not, a bad score says nothing of the model.
+bool folds_determine(const DataSet& data, const std::vector<Row>& rows, const FitResult& fit, const Folds& folds);
 
 struct HeldOut {
   bool usable = false;

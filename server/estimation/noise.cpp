@@ -50,13 +50,12 @@ Segment make_segment(const Curves& curves, const Block& block, const std::vector
   return segment;
 }
 
-/// Mean of the values near x, linear between samples; samples need not be strictly sorted.
-double interpolate(const Segment& s, double x) {
-  std::size_t k = 1;
-  while (k + 1 < s.x.size() && s.x[k] < x) ++k;
-  const double span = s.x[k] - s.x[k - 1];
-  const double w = span > 0.0 ? std::clamp((x - s.x[k - 1]) / span, 0.0, 1.0) : 0.5;
-  return (1.0 - w) * s.value[k - 1] + w * s.value[k];
+/// The sample nearest to x: interpolating between two would take a third of their noise away.
+double nearest(const Segment& s, double x) {
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < s.x.size(); ++k)
+    if (std::abs(s.x[k] - x) < std::abs(s.x[best] - x)) best = k;
+  return s.value[best];
 }
 
 /// Standard deviation of white noise from second differences: r[i] - (r[i-1] + r[i+1])/2 has variance 1.5 sigma^2.
@@ -98,7 +97,7 @@ std::vector<std::vector<double>> deviations(std::vector<Member>& members) {
     const double x = lo + (hi - lo) * (g + 0.5) / kGridPoints;
     double mean = 0.0;
     for (std::size_t m = 0; m < members.size(); ++m) {
-      result[m].push_back(interpolate(members[m].segment, x));
+      result[m].push_back(nearest(members[m].segment, x));
       mean += result[m].back() / static_cast<double>(members.size());
     }
     for (auto& sequence : result) sequence.back() = (sequence.back() - mean) * scale;
@@ -215,6 +214,14 @@ Noise estimate_noise(const DataSet& data, const std::vector<Row>& rows,
       }
       // never finer than the instrument resolves, nor than numbers can be trusted
       entry.sigma = std::max({entry.sigma, channel.resolution / std::sqrt(12.0), 1e-5 * (range_hi - range_lo), 1e-12});
+      entry.floor_sigma = entry.repeat_sigma > 0.0 ? entry.repeat_sigma : entry.sigma;
+      if (!channel.sigma_per_frame.empty()) {
+        // a scatter given frame by frame (between specimens, say) sets the floor, not the weights: it is no noise of
+        // single readings
+        double sum = 0.0;
+        for (const double v : channel.sigma_per_frame) sum += std::isfinite(v) ? v * v : 0.0;
+        entry.floor_sigma = std::sqrt(sum / static_cast<double>(channel.sigma_per_frame.size()));
+      }
       noise.channels[i].push_back(entry);
     }
   }

@@ -5,7 +5,7 @@
 namespace tenter::diagnosis {
 namespace {
 
-constexpr int kControlPoints = 6;
+constexpr int kControlPoints = 4;  // one cubic tangent over the range, non-negative by its Bernstein coefficients
 
 /// A spline that equals the constant stiffness k.
 model::Law flat_spline(const Place& place, double stiffness) {

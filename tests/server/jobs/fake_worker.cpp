@@ -67,10 +67,14 @@ Expected<void> run_fake(const jobs::JobInput& input,
     if (!found) return tl::unexpected(found.error());
     result["captures"].push_back(*found);
   }
-  std::ofstream(input.staging / "result.json") << result.dump() << "\n";
+  std::ofstream document(input.staging / "result.json");
+  document << result.dump() << "\n";
   std::ofstream residuals(input.staging / "residuals.h5");
   for (int i = 0; i < fake.value("residual_kb", 1); ++i) residuals << std::string(1024, 'r');
   residuals << sha256_hex(input.spec_json);
+  document.close();
+  residuals.close();
+  if (!document || !residuals) return fail(ErrorKind::no_space, "the result could not be written");
   return {};
 }
 

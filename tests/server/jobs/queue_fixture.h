@@ -47,7 +47,7 @@ class QueueTest : public ::testing::Test {
   void finish(const JobRecord& job) { MUST(queue_->complete(key(job), result_of(job))); }
   JobState state(JobId job) { return MUST(queue_->show(job)).state; }
 
-  TemporaryFolder folder_;
+  TemporaryFolder folder_{memory_folder()};
   TestClock clock_;
   std::unique_ptr<Queue> queue_;
   int requests_ = 0;

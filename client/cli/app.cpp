@@ -69,7 +69,7 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
   if (const std::size_t end = message.find('\n'); end != std::string::npos) message.resize(end);
   const std::vector<const CLI::App*> commands = at->get_subcommands({});
   if (!commands.empty() && at->get_subcommands().empty()) {
-    const std::vector<std::string> rest = at->remaining();
+    const std::vector<std::string> rest = app.remaining(true);
     message = "a command is missing";
     if (!rest.empty()) message = "there is no command '" + rest.front() + "' here";
     if (!rest.empty() && rest.front().rfind("-", 0) == 0)

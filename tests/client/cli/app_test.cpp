@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command called as a function: what it prints and with which exit code, for everything that
+// needs no server.
+#include "client/cli/app.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/job_run.h"
+#include "common/model/document.h"
+#include "common/model/presets.h"
+
+namespace tenter::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Outcome {
+  int code = 0;
+  std::string out;
+  std::string err;
+};
+
+Outcome call(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "tenter");
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Outcome outcome;
+  outcome.code = run(static_cast<int>(arguments.size()), arguments.data());
+  outcome.out = testing::internal::GetCapturedStdout();
+  outcome.err = testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "tenter-cli-test-XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(path_ / name) << text;
+    return (path_ / name).string();
+  }
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+TEST(CommandLine, MistakesGetExitCode2AndOneSentence) {
+  const struct {
+    std::vector<const char*> arguments;
+    const char* says;
+  } cases[] = {
+      {{"bogus"}, "there is no command 'bogus'"},
+      {{"job", "bogus"}, "there is no command 'bogus' here; the commands are submit"},
+      {{"job"}, "a command is missing"},
+      {{"diagnose"}, "CAPTURE is required (see `tenter diagnose --help`)"},
+      {{"diagnose", "x.h5", "--frobnicate"}, "--frobnicate"},
+      {{"--domain", "999", "server", "status"}, "999"},
+      {{"--timeout", "soon", "server", "status"}, "soon"},
+      {{"job", "list", "--state", "asleep"}, "asleep"},
+      {{"residuals", "3", "--frames", "9:3"}, "--frames 9:3"},
+      {{"residuals", "3", "--frames", ":"}, "--frames :"},
+      {{"diagnose", "abcdef", "--set", "novalue"}, "KEY=VALUE"},
+      {{"completion", "fish"}, "fish"},
+  };
+  for (const auto& c : cases) {
+    const Outcome outcome = call(c.arguments);
+    EXPECT_EQ(outcome.code, 2) << c.says;
+    EXPECT_NE(outcome.err.find(c.says), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+}
+
+TEST(CommandLine, WithJsonAnErrorIsOneObjectOnStandardOutput) {
+  for (const std::vector<const char*>& arguments :
+       std::vector<std::vector<const char*>>{{"--json", "bogus"},
+                                             {"diagnose", "--json"},
+                                             {"--json", "model", "show", "jelly"},
+                                             {"model", "validate", "/nowhere.json", "--json"},
+                                             {"--json", "diagnose", "nowhere.h5"}}) {
+    const Outcome outcome = call(arguments);
+    const Json value = Json::parse(outcome.out);
+    EXPECT_EQ(value["error"]["code"], outcome.code);
+    EXPECT_FALSE(value["error"]["message"].get<std::string>().empty());
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_TRUE(outcome.code == 2 || outcome.code == 3) << outcome.out;
+  }
+}
+
+TEST(CommandLine, NoServerIsExitCode5) {
+  const Outcome outcome = call({"--domain", "231", "--server", "nobody-has-this-name", "--timeout",
+                                "0.3", "--json", "job", "list"});
+  EXPECT_EQ(outcome.code, 5);
+  EXPECT_EQ(Json::parse(outcome.out)["error"]["kind"], "unavailable");
+}
+
+TEST(CommandLine, TheCommandWithoutArgumentsExplainsItself) {
+  const Outcome outcome = call({});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.err.find("SYNOPSIS"), std::string::npos);
+  EXPECT_EQ(call({"--version"}).out.rfind("tenter ", 0), 0u);
+}
+
+TEST(ModelCommands, ListShowAndValidateAgree) {
+  const Json listed = Json::parse(call({"--json", "model", "list"}).out);
+  EXPECT_EQ(listed["models"].size(), model::preset_names().size());
+  const Json catalogue = Json::parse(call({"--json", "model", "list", "--catalogue"}).out);
+  EXPECT_GE(catalogue["laws"].size(), 11u);
+
+  const Folder folder;
+  const Outcome shown = call({"model", "show", "stvk_orthotropic"});
+  EXPECT_EQ(shown.code, 0);
+  const std::string file = folder.write("model.json", shown.out);
+  const Outcome valid = call({"--json", "model", "validate", file.c_str()});
+  EXPECT_EQ(valid.code, 0) << valid.out;
+  EXPECT_EQ(Json::parse(valid.out)["models"][0]["name"], "stvk_orthotropic");
+
+  const std::string bad =
+      folder.write("bad.json", R"({"schema": "tenter.model", "version": 1, "name": "m",
+    "terms": [{"id": "t", "strain": {"name": "green_u"}, "law": {"name": "linear", "parameters": {"k": "stiff"}}}]})");
+  const Outcome invalid = call({"model", "validate", bad.c_str()});
+  EXPECT_EQ(invalid.code, 2);
+  EXPECT_NE(invalid.err.find("bad.json: terms[0].law.parameters.k:"), std::string::npos)
+      << invalid.err;
+}
+
+TEST(RunCommands, WhatCannotBeACaptureIsRefusedBeforeTheServerIsAsked) {
+  const Folder folder;
+  const std::string csv = folder.write("pull.csv", "a,b\n1,2\n");
+  const Outcome table = call({"--domain", "231", "--timeout", "0.2", "diagnose", csv.c_str()});
+  EXPECT_EQ(table.code, 2);
+  EXPECT_NE(table.err.find("capture import"), std::string::npos);
+  const Outcome missing = call({"--domain", "231", "--timeout", "0.2", "fit", "nowhere.h5"});
+  EXPECT_EQ(missing.code, 3);
+  const Outcome model =
+      call({"--domain", "231", "--timeout", "0.2", "fit", "abcdef", "--model", "jelly"});
+  EXPECT_EQ(model.code, 3);
+  EXPECT_NE(model.err.find("stvk_orthotropic"), std::string::npos);
+}
+
+TEST(RunCommands, TheDigestIsTheResultWithoutThePointsOfFigures) {
+  const Json result = {{"schema", "tenter.result"},
+                       {"verdicts", Json::array()},
+                       {"figures", {1, 2, 3}},
+                       {"noise_floor", 0.1}};
+  const Json digest = result_digest(result, "17");
+  EXPECT_EQ(digest["job_id"], "17");
+  EXPECT_EQ(digest["noise_floor"], 0.1);
+  EXPECT_TRUE(digest.contains("verdicts"));
+  EXPECT_FALSE(digest.contains("figures"));
+}
+
+TEST(ReportCommand, MakesThePageOfAKeptResult) {
+  const Folder folder;
+  const std::string result = folder.write(
+      "result.json",
+      R"({"schema": "tenter.result", "version": 1, "kind": "fit", "error_after": 0.05})");
+  const std::string page = folder.file("report.html");
+  EXPECT_EQ(call({"report", result.c_str(), "-o", page.c_str()}).code, 0);
+  EXPECT_GT(std::filesystem::file_size(page), 1000u);
+  EXPECT_NE(call({"report", result.c_str()}).out.find("The fit misses 5.0"), std::string::npos);
+  EXPECT_EQ(Json::parse(call({"--json", "report", result.c_str()}).out)["error_after"], 0.05);
+  const std::string other = folder.write("other.json", "{}");
+  EXPECT_EQ(call({"report", other.c_str()}).code, 2);
+}
+
+}  // namespace
+}  // namespace tenter::cli

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the examination asks: one twin each, and which answer would be right.
+//
+//   Expected<std::vector<Question>> paper = set_questions({.sizes = {3, 10}, .seeds = 3, .nulls =
+//   20});
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/error.h"
+#include "tests/twin/generator.h"
+
+namespace tenter::exam {
+
+enum class Kind {
+  effect,   ///< something of the catalogue hides
+  null,     ///< nothing hides
+  foreign,  ///< something hides that the catalogue lacks
+};
+
+struct Question {
+  Kind kind = Kind::effect;
+  std::string truth;  ///< id of the effect, "" for a null twin
+  twin::TwinCase twin;
+  /// No time, or one rate without a hold: friction and viscosity look the same, and the right
+  /// answer is a group that holds both.
+  bool rate_hidden = false;
+
+  std::string name() const;  ///< "rich viscosity:maxwell size 3 seed 2"
+};
+
+struct Paper {
+  std::vector<std::string> effects;  ///< ids; empty: all that the twins can hide
+  std::vector<double> sizes = {3.0, 10.0};
+  std::vector<std::string> suites = {"rich"};
+  int seeds = 3;  ///< of each effect and size; variants take turns
+  int nulls = 0;  ///< null twins in each suite
+  bool foreign = false;
+  std::uint64_t first_seed = 1;
+};
+
+/// Leaves out what a suite cannot show at all: loops where unloading was not recorded, drifts and
+/// delays where there is no time. Fails on an unknown effect or suite.
+Expected<std::vector<Question>> set_questions(const Paper& paper);
+
+}  // namespace tenter::exam

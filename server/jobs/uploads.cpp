@@ -38,13 +38,16 @@ class Uploads::Transfer {
   const fs::path& folder() const { return folder_; }
 
   /// Makes the folder's files under another name and renames it: a transfer is whole or absent.
+  /// Nothing is synced before the first chunks are: an empty transfer is not worth it.
   Expected<void> create() {
     fs::path beside = folder_;
     beside += ".new";
     std::error_code ignored;
     fs::remove_all(beside, ignored);
     auto done = fill(beside);
-    if (done) done = rename_durably(beside, folder_);
+    if (done && ::rename(beside.c_str(), folder_.c_str()) != 0) {
+      done = tl::unexpected<Error>(system_error(folder_, "moving into place", errno));
+    }
     if (!done) {
       fs::remove_all(beside, ignored);
       if (done.error().kind == ErrorKind::no_space) {
@@ -111,6 +114,13 @@ class Uploads::Transfer {
       if (durable_count_ == received_count_) return {};
       upto = received_;
       count = received_count_;
+    }
+    if (!synced_before_) {
+      if (auto done = sync_file(folder_ / "request"); !done) return done;
+      for (const auto& folder : {folder_, folder_.parent_path()}) {
+        if (auto done = sync_folder(folder); !done) return done;
+      }
+      synced_before_ = true;
     }
     if (::fdatasync(data_.get()) != 0) {
       return tl::unexpected<Error>(system_error(data_path(), "writing to disk", errno));
@@ -211,14 +221,15 @@ class Uploads::Transfer {
         return tl::unexpected<Error>(system_error(folder / "data", "reserving space", errno));
       }
     }
-    if (::fsync(data->get()) != 0) {
-      return tl::unexpected<Error>(system_error(folder / "data", "writing to disk", errno));
-    }
-    const std::string none(bitmap_bytes(), '\0');
-    if (auto done = write_file_durably(folder / "bitmap", none); !done) return done;
-    return write_file_durably(
-        folder / "request",
-        request_.sha256 + " " + std::to_string(request_.size_bytes) + " " + request_.user + "\n");
+    const auto write_small = [&folder](const char* name,
+                                       const std::string& text) -> Expected<void> {
+      auto file = open_file(folder / name, O_WRONLY | O_CREAT | O_EXCL);
+      if (!file) return tl::unexpected(file.error());
+      return write_all(file->get(), text, folder / name);
+    };
+    if (auto done = write_small("bitmap", std::string(bitmap_bytes(), '\0')); !done) return done;
+    return write_small("request", request_.sha256 + " " + std::to_string(request_.size_bytes) +
+                                      " " + request_.user + "\n");
   }
 
   Expected<void> open_files() {
@@ -244,6 +255,7 @@ class Uploads::Transfer {
   std::uint64_t received_count_ = 0, durable_count_ = 0;
 
   std::mutex syncing_;
+  bool synced_before_ = false;  // by syncing_
 
   std::mutex hashing_;
   Sha256Stream hash_;
@@ -380,8 +392,12 @@ Expected<Uploads::Finished> Uploads::finish(const std::string& transfer) {
   if (!found) return tl::unexpected(found.error());
   Transfer& it = **found;
   if (auto done = it.close(); !done) return tl::unexpected(done.error());
-  if (auto done = it.sync(); !done) return tl::unexpected(done.error());
-  if (auto done = it.hash_prefix(); !done) return tl::unexpected(done.error());
+  Expected<void> synced;
+  std::thread syncing([&] { synced = it.sync(); });  // the disk writes while the hash is finished
+  const auto hashed = it.hash_prefix();
+  syncing.join();
+  if (!synced) return tl::unexpected(synced.error());
+  if (!hashed) return tl::unexpected(hashed.error());
   if (it.sha256() != it.request().sha256) {
     const std::string message = "the uploaded bytes have the hash " + it.sha256() +
                                 " instead of the promised " + it.request().sha256 +

@@ -26,14 +26,14 @@ using nlohmann::json;
 using namespace tenter;
 
 void die_if_asked(const json& fake) {
-  if (fake.value("crash", false)) ::raise(SIGSEGV);
+  if (fake.value("crash", false)) ::raise(SIGABRT);
   const auto file = fake.value("deaths_file", std::string());
   if (file.empty()) return;
   int deaths = 0;
   std::ifstream(file) >> deaths;
   if (deaths >= fake.value("abort_below_deaths", 0)) return;
   std::ofstream(file) << deaths + 1;
-  ::raise(SIGSEGV);
+  ::raise(SIGABRT);
 }
 
 Expected<void> run_fake(const jobs::JobInput& input,

@@ -23,7 +23,6 @@ class Source {
  public:
   explicit Source(const H5Reader& file) : file_(file) {}
 
-  const H5Reader& file() const { return file_; }
   bool ok() const { return !error_; }
   const Error& error() const { return *error_; }
   void complain(const std::string& object, const std::string& what) {
@@ -47,8 +46,12 @@ class Source {
   }
   std::vector<std::string> members(const std::string& path) { return take(file_.members(path)); }
 
+  bool has(const std::string& path) { return ok() && take(file_.has(path)); }
+  bool has_attribute(const std::string& path, const std::string& name) {
+    return ok() && take(file_.has_attribute(path, name));
+  }
   std::optional<double> optional_number(const std::string& path, const std::string& unit) {
-    if (!ok() || !file_.has(path)) return std::nullopt;
+    if (!has(path)) return std::nullopt;
     check_unit(path, unit);
     return number(path);
   }
@@ -104,7 +107,7 @@ Channel read_channel(Source& in, const std::string& name) {
     else
       in.complain(path + "@coordinate", "must be x, y or z");
   }
-  if (in.ok() && in.file().has(path + "_errors")) {
+  if (in.has(path + "_errors")) {
     in.check_unit(path + "_errors", channel.unit);
     channel.sigma_per_frame = in.doubles(path + "_errors");
   }
@@ -118,7 +121,7 @@ void read_channels(Source& in, Capture& capture, std::vector<std::string>* ignor
   for (const std::string& name : in.members(kData)) {
     const std::string path = kData + "/" + name;
     if (frames.count(name) != 0 || name.ends_with("_errors")) continue;
-    if (!in.file().has_attribute(path, "order")) {
+    if (!in.has_attribute(path, "order")) {
       if (ignored) ignored->push_back(path);
       continue;
     }
@@ -140,7 +143,7 @@ void read_frames(Source& in, Capture& capture) {
       return in.complain(kData + "/branch", "holds " + std::to_string(code) + ", not 0 to 3");
     capture.branch.push_back(static_cast<Branch>(code));
   }
-  if (in.ok() && in.file().has(kData + "/time")) {
+  if (in.has(kData + "/time")) {
     in.check_unit(kData + "/time", "s");
     capture.time_s = in.doubles(kData + "/time");
   }
@@ -224,7 +227,7 @@ void read_provenance(Source& in, Provenance& provenance) {
 
 /// Schema and version first: another kind of HDF5 file gets the sentence that says so.
 void read_identity(Source& in) {
-  if (!in.file().has_attribute("/", "schema"))
+  if (!in.has_attribute("/", "schema"))
     return in.complain("/", "has no attribute \"schema\"; it is not a capture of Tenter");
   const std::string schema = in.text_attribute("/", "schema");
   if (in.ok() && schema != kSchema)

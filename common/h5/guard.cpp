@@ -42,11 +42,13 @@ std::uint64_t own_address_space() {
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-void limit(__rlimit_resource_t what, rlim_t value) {
+/// The hard limit is `spare` above the soft one, so that the soft one's signal is the one that is
+/// seen.
+void limit(__rlimit_resource_t what, rlim_t value, rlim_t spare = 0) {
   rlimit now{};
   ::getrlimit(what, &now);
-  const rlim_t allowed = now.rlim_max == RLIM_INFINITY ? value : std::min(value, now.rlim_max);
-  const rlimit wanted{allowed, allowed};
+  const rlim_t most = now.rlim_max == RLIM_INFINITY ? value + spare : now.rlim_max;
+  const rlimit wanted{std::min(value, most), std::min(value + spare, most)};
   ::setrlimit(what, &wanted);
 }
 
@@ -57,7 +59,7 @@ void limit(__rlimit_resource_t what, rlim_t value) {
   for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGTERM, SIGINT, SIGXCPU})
     ::signal(signal, SIG_DFL);
   limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_CPU, limits.cpu_seconds);
+  limit(RLIMIT_CPU, limits.cpu_seconds, 2);
   if (kLimitMemory) limit(RLIMIT_AS, address_space + limits.memory_bytes);
   int code = kSaidOk;
   try {

@@ -50,17 +50,33 @@ struct H5Reader::Impl {
     return bad_input(file_name + ": " + object + ": " + what + ".");
   }
 
-  /// Every link on the way must be a hard link: no file may lead the reader into another file.
-  bool reachable(const std::string& path) const {
+  /// Is the object there? Every link on the way must be a hard link: no file may lead the reader
+  /// into another.
+  Expected<bool> there(const std::string& path) const {
     if (path == "/") return true;
     for (std::size_t at = path.find('/', 1);; at = path.find('/', at + 1)) {
       const std::string part = path.substr(0, at);
+      const htri_t exists = H5Lexists(file.get(), part.c_str(), H5P_DEFAULT);
+      if (exists < 0) return complaint(part, "cannot be looked up; the file is damaged");
+      if (exists == 0) return false;
       H5L_info_t link{};
-      if (H5Lexists(file.get(), part.c_str(), H5P_DEFAULT) <= 0) return false;
-      if (H5Lget_info(file.get(), part.c_str(), &link, H5P_DEFAULT) < 0) return false;
+      if (H5Lget_info(file.get(), part.c_str(), &link, H5P_DEFAULT) < 0)
+        return complaint(part, "cannot be looked up; the file is damaged");
       if (link.type != H5L_TYPE_HARD) return false;
       if (at == std::string::npos) return true;
     }
+  }
+  Expected<void> require(const std::string& path) const {
+    const Expected<bool> is_there = there(path);
+    if (!is_there) return tl::unexpected(is_there.error());
+    if (!*is_there) return complaint(path, "is missing");
+    return {};
+  }
+  Expected<bool> has_attribute(const std::string& path, const std::string& name) const {
+    if (auto ok = require(path); !ok) return tl::unexpected(ok.error());
+    const htri_t exists = H5Aexists_by_name(file.get(), path.c_str(), name.c_str(), H5P_DEFAULT);
+    if (exists < 0) return complaint(path + "@" + name, "cannot be looked up; the file is damaged");
+    return exists > 0;
   }
 
   Expected<std::size_t> element_size(hid_t type, Wanted wanted, const std::string& object) const {
@@ -142,7 +158,7 @@ struct H5Reader::Impl {
   };
   Expected<Raw> read(const std::string& path, Wanted wanted, bool scalar) const {
     const std::lock_guard lock(library_lock());
-    if (!reachable(path)) return complaint(path, "is missing");
+    if (auto ok = require(path); !ok) return tl::unexpected(ok.error());
     const Handle dataset(H5Oopen(file.get(), path.c_str(), H5P_DEFAULT));
     if (!dataset) return complaint(path, "cannot be opened; the file is damaged");
     if (H5Iget_type(dataset.get()) != H5I_DATASET) return complaint(path, "must be a dataset");
@@ -168,9 +184,9 @@ struct H5Reader::Impl {
                                Wanted wanted) const {
     const std::lock_guard lock(library_lock());
     const std::string object = path + "@" + name;
-    if (!reachable(path)) return complaint(path, "is missing");
-    if (H5Aexists_by_name(file.get(), path.c_str(), name.c_str(), H5P_DEFAULT) <= 0)
-      return complaint(object, "is missing");
+    const Expected<bool> is_there = has_attribute(path, name);
+    if (!is_there) return tl::unexpected(is_there.error());
+    if (!*is_there) return complaint(object, "is missing");
     const Handle attribute(
         H5Aopen_by_name(file.get(), path.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
     if (!attribute) return complaint(object, "cannot be opened; the file is damaged");
@@ -241,22 +257,16 @@ Expected<H5Reader> H5Reader::open(const std::string& path, const Limits& limits)
   return H5Reader(std::move(impl));
 }
 
-bool H5Reader::has(const std::string& path) const {
+Expected<bool> H5Reader::has(const std::string& path) const {
   const std::lock_guard lock(library_lock());
-  return impl_->reachable(path);
-}
-
-bool H5Reader::is_group(const std::string& path) const {
-  const std::lock_guard lock(library_lock());
-  if (!impl_->reachable(path)) return false;
-  const Handle object(H5Oopen(impl_->file.get(), path.c_str(), H5P_DEFAULT));
-  return object && H5Iget_type(object.get()) == H5I_GROUP;
+  return impl_->there(path);
 }
 
 Expected<std::vector<std::string>> H5Reader::members(const std::string& group) const {
   const std::lock_guard lock(library_lock());
-  if (!is_group(group)) return complaint(group, "is missing or not a group");
-  const Handle handle(H5Gopen2(impl_->file.get(), group.c_str(), H5P_DEFAULT));
+  if (auto ok = impl_->require(group); !ok) return tl::unexpected(ok.error());
+  const Handle handle(H5Oopen(impl_->file.get(), group.c_str(), H5P_DEFAULT));
+  if (handle && H5Iget_type(handle.get()) != H5I_GROUP) return complaint(group, "must be a group");
   H5G_info_t info{};
   if (!handle || H5Gget_info(handle.get(), &info) < 0)
     return complaint(group, "cannot be read; the file is damaged");
@@ -318,10 +328,9 @@ Expected<std::vector<std::string>> H5Reader::texts(const std::string& path) cons
   return values;
 }
 
-bool H5Reader::has_attribute(const std::string& path, const std::string& name) const {
+Expected<bool> H5Reader::has_attribute(const std::string& path, const std::string& name) const {
   const std::lock_guard lock(library_lock());
-  return impl_->reachable(path) &&
-         H5Aexists_by_name(impl_->file.get(), path.c_str(), name.c_str(), H5P_DEFAULT) > 0;
+  return impl_->has_attribute(path, name);
 }
 
 Expected<std::string> H5Reader::text_attribute(const std::string& path,

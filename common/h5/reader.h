@@ -32,8 +32,8 @@ class H5Reader {
   H5Reader& operator=(H5Reader&&) noexcept;
   ~H5Reader();
 
-  bool has(const std::string& path) const;
-  bool is_group(const std::string& path) const;
+  /// False only where it is not there; what cannot be told because the file is damaged is an error.
+  Expected<bool> has(const std::string& path) const;
   /// Names of the members of a group, in alphabetical order.
   Expected<std::vector<std::string>> members(const std::string& group) const;
 
@@ -44,7 +44,7 @@ class H5Reader {
   Expected<std::vector<int>> ints(const std::string& path) const;
   Expected<std::vector<std::string>> texts(const std::string& path) const;
 
-  bool has_attribute(const std::string& path, const std::string& name) const;
+  Expected<bool> has_attribute(const std::string& path, const std::string& name) const;
   Expected<std::string> text_attribute(const std::string& path, const std::string& name) const;
   Expected<double> number_attribute(const std::string& path, const std::string& name) const;
   Expected<std::int64_t> integer_attribute(const std::string& path, const std::string& name) const;

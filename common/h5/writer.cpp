@@ -43,9 +43,12 @@ struct H5Writer::Impl {
   Expected<AtomicFile> place;
   Handle file;
   std::string failed;  ///< the first object that HDF5 refused
+  int failed_code = 0;
 
   void note(bool ok, const std::string& what) {
-    if (!ok && failed.empty()) failed = what;
+    if (ok || !failed.empty()) return;
+    failed = what;
+    failed_code = errno != 0 ? errno : EINVAL;
   }
 
   /// Properties of a dataset: no times; chunks with checksums for arrays, inside the header for
@@ -87,6 +90,7 @@ H5Writer::H5Writer(const std::string& path)
     : impl_(std::make_unique<Impl>(AtomicFile::create(path))) {
   if (!impl_->place) return;
   const std::lock_guard lock(library_lock());
+  errno = 0;
   Handle access(H5Pcreate(H5P_FILE_ACCESS));
   H5Pset_fapl_core(access.get(), kMemoryStep, true);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
@@ -200,7 +204,7 @@ Expected<void> H5Writer::save() && {
   {
     const std::lock_guard lock(library_lock());
     if (!impl_->failed.empty())
-      return impl_->place->error(("HDF5: making " + impl_->failed).c_str(), EINVAL);
+      return impl_->place->error(("HDF5: making " + impl_->failed).c_str(), impl_->failed_code);
     // the one moment at which bytes go to disk
     errno = 0;
     if (H5Fclose(impl_->file.release()) < 0)

@@ -87,7 +87,9 @@ Expected<void> read_columns(const h5::H5Reader& file, const std::string& group,
     if (!values) return tl::unexpected(values.error());
     table.*column.values = std::move(*values);
   }
-  if (file.has(group + "/" + kTime)) {
+  const Expected<bool> timed = file.has(group + "/" + kTime);
+  if (!timed) return tl::unexpected(timed.error());
+  if (*timed) {
     Expected<std::vector<double>> values = file.doubles(group + "/" + kTime);
     if (!values) return tl::unexpected(values.error());
     table.time_s = std::move(*values);
@@ -127,7 +129,9 @@ void keep_rows(ResidualTable& table, const ResidualFilter& filter) {
 }
 
 Expected<void> check_identity(const h5::H5Reader& file) {
-  if (!file.has_attribute("/", "schema"))
+  const Expected<bool> named = file.has_attribute("/", "schema");
+  if (!named) return tl::unexpected(named.error());
+  if (!*named)
     return file.complaint("/", "has no attribute \"schema\"; it is not a residual file of Tenter");
   const Expected<std::string> schema = file.text_attribute("/", "schema");
   if (!schema) return tl::unexpected(schema.error());

@@ -45,11 +45,11 @@ struct ResidualTable {
 
 /// What to keep; nothing set keeps everything.
 struct ResidualFilter {
-  std::string capture;  ///< id, or the beginning of an id of at least 6 digits, or the title
-  std::string channel;
-  std::optional<int> block;
-  std::optional<int> first_frame;  ///< inclusive
-  std::optional<int> last_frame;   ///< inclusive
+  std::string capture = {};  ///< id, or the beginning of an id of at least 6 digits, or the title
+  std::string channel = {};
+  std::optional<int> block = {};
+  std::optional<int> first_frame = {};  ///< inclusive
+  std::optional<int> last_frame = {};   ///< inclusive
 };
 
 /// "load", "unload", "hold" or "other" of a branch number.

@@ -68,7 +68,7 @@ const std::vector<LawRow>& law_catalogue() {
       {"maxwell", 0, false, 0, true, true, {{"k", "N/m", 0.0, kNone, 10.0}, {"relaxation_time", "s", 1e-6, kNone, 1.0}}, "spring and dashpot in series: stress that relaxes in a hold"},
       {"kelvin_voigt", 0, false, 0, true, true, {{"eta", "N s/m", 0.0, kNone, 1.0}}, "dashpot beside the other terms: stress eta times strain rate"},
       {"plastic_set", 1, false, 0, true, false, {{"c", "N/m", 0.0, kNone, 10.0}, {"yield_strain", "1", 0.0, kNone, 0.05}}, "strain beyond the yield strain that stays, growing with new maxima only"},
-      {"softening", 1, false, 0, true, false, {{"k", "N/m", 0.0, kNone, 10.0}, {"strain_scale", "1", 1e-6, kNone, 0.1}}, "stiffness of the first loading only, lost up to the largest strain so far (Mullins)"},
+      {"softening", 1, false, 0, true, false, {{"k", "N/m", 0.0, kNone, 10.0}, {"strain_scale", "1", 1e-6, kNone, 0.1}, {"power", "1", 1.0, 8.0, 1.0, true}}, "stress k eps^power that the first loading to each new maximum had and later ones lose (Mullins)"},
   };
   return rows;
 }
@@ -79,7 +79,7 @@ const std::vector<CorrectionRow>& correction_catalogue() {
       {"offset", {{"value", "N/m", kNone, kNone, 0.0}}, "the channel shows a constant too much"},
       {"gain", {{"value", "1", 0.0, kNone, 1.0}}, "the channel shows a multiple of the true value"},
       {"drift", {{"rate", "N/(m s)", kNone, kNone, 0.0}}, "the channel's zero moves with the clock"},
-      {"delay", {{"value", "s", 0.0, kNone, 0.0}}, "the channel shows the value of a moment earlier"},
+      {"delay", {{"value", "s", kNone, kNone, 0.0}}, "the channel shows the value of a moment earlier (later where negative)"},
       {"clip_slip", {{"step", "N/m", kNone, kNone, 0.0}, {"at_frame", "1", 0.0, kNone, 0.0, true}}, "the force steps at a frame because a clip slipped"},
   };
   return rows;

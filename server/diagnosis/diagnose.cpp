@@ -28,17 +28,19 @@ void parallel(int threads, int count, const std::function<void(int)>& task) {
 }
 
 /// The best few of a screen: at most two variants an effect, each at its best grid point, effects in order of ratio.
-std::vector<Candidate> shortlist(const Screen& screen, std::size_t effects, std::size_t variants_each) {
+std::vector<Candidate> shortlist(const Screen& screen, const estimation::FitResult& fit, std::size_t effects,
+                                 std::size_t variants_each) {
   std::vector<Candidate> chosen;
   std::map<const Effect*, std::set<std::string>> taken;
-  // by expected gain, less what that many columns take by chance; ratios only decide who is in at all
-  std::vector<const Candidate*> order;
-  for (const Candidate& c : screen.candidates)
-    if (c.ratio > 1.0) order.push_back(&c);
-  std::stable_sort(order.begin(), order.end(), [](const Candidate* a, const Candidate* b) {
-    return a->gain - 2.0 * a->df > b->gain - 2.0 * b->df;
-  });
-  for (const Candidate* c : order) {
+  // in the order of the information criterion that the refits are expected to reach; ratios only decide who is in
+  std::vector<std::pair<double, const Candidate*>> order;
+  for (const Candidate& c : screen.candidates) {
+    if (c.ratio <= 1.0) continue;
+    const double left = std::max(fit.chi2 - c.gain, 1e-3 * fit.chi2);
+    order.emplace_back(information(left, c.df, 0, fit.effective_rows), &c);
+  }
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [score, c] : order) {
     auto& variants = taken[c->effect];
     if (variants.contains(c->variant.words) || variants.size() >= variants_each) continue;
     if (variants.empty() && taken.size() > effects) continue;
@@ -104,7 +106,7 @@ std::vector<Accepted> go_forward(Diagnosis& d, Reference& current, const Request
     options.seed = request.options.seed + static_cast<unsigned long long>(round);
     const Screen found = screen(current.model, current.fit, d.data, d.noise, excitation, options);
     if (round == 0) d.first_screen = found;
-    const std::vector<Candidate> candidates = shortlist(found, 5, 3);
+    const std::vector<Candidate> candidates = shortlist(found, current.fit, 5, 3);
     if (candidates.empty() || control.stop.stop_requested()) break;
     control.report({"refit", candidates.front().effect->id, round, current.fit.chi2, fraction + 0.03});
     std::vector<Trial> trials = run_round(candidates, current, d, static_cast<int>(accepted.size()), control);
@@ -159,14 +161,13 @@ void measure_gain(Diagnosis& d, const Control& control) {
   std::optional<estimation::HeldOut> before;
   std::optional<estimation::HeldOut> after;
   for (const std::string& kind : estimation::fold_kinds()) {
-    const estimation::Folds folds = estimation::make_folds(*d.data, rows, kind);
-    if (folds.training.empty()) continue;
+    estimation::Folds folds = estimation::make_folds(*d.data, rows, kind);
+    estimation::keep_determined(folds, d.extended.fit, d.baseline.fit);
+    if (folds.training.size() < 2) continue;
     before = held_out(d.baseline, d.data, folds);
     after = held_out(d.extended, d.data, folds);
     d.held_out_kind = kind;
-    // the hardest kind that either went well or could have been foretold
-    if (before && after && after->chi2 <= before->chi2) break;
-    if (estimation::folds_determine(*d.data, rows, d.extended.fit, folds)) break;
+    break;
   }
   if (before) d.held_out_before = score_of(*d.data, rows, before->residuals, -1);
   if (after) d.held_out_after = score_of(*d.data, rows, after->residuals, -1);

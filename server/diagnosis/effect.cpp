@@ -55,7 +55,7 @@ void examine_path(const Curves& curves, Excitation& e) {
       const bool new_run = f > 0 && curves.path.start[f] != mechanics::FrameStart::next;
       if (new_run) {
         fell = curves.path.start[f] == mechanics::FrameStart::rested;
-        if (curves.path.start[f] == mechanics::FrameStart::virgin) peak = curves.path.q[f][i];
+        peak = curves.path.q[f][i];
       }
       const double q = curves.path.q[f][i];
       peak = std::max(peak, q);

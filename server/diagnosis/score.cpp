@@ -40,14 +40,16 @@ Score score_of(const DataSet& data, const std::vector<Row>& rows, const Eigen::V
   double error = 0.0;
   double power = 0.0;
   double sum = 0.0;
+  double n = 0.0;
   for (const std::size_t r : used) {
+    if (!std::isfinite(residuals[static_cast<Eigen::Index>(r)])) continue;  // no fold left this row out
+    n += 1.0;
     const double e = residuals[static_cast<Eigen::Index>(r)] * data.sigma_of(rows[r]);
     const double m = measured(data, rows[r]);
     error += e * e;
     power += m * m;
     sum += m;
   }
-  const double n = static_cast<double>(used.size());
   const double spread = power - sum * sum / std::max(1.0, n);
   Score score;
   score.error = power > 0.0 ? std::sqrt(error / power) : 0.0;

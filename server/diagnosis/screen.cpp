@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "server/diagnosis/null_twins.h"
 
@@ -206,12 +207,85 @@ double statistic(const Eigen::VectorXd& components, bool positive) {
   return components.squaredNorm();
 }
 
+/// What all candidates of one screen share.
+struct Ground {
+  const model::Model* fitted = nullptr;
+  DataPointer data;
+  Eigen::MatrixXd own;    ///< orthonormal basis of the model's own columns
+  Eigen::MatrixXd twins;  ///< null twins, without what the model absorbs
+  Eigen::VectorXd left;   ///< residuals, likewise
+};
+
+/// Projects every entry and adds it to the candidates; `largest`, where given, collects each twin's largest u.
+bool add_candidates(const Gathering& gathering, const Ground& ground, std::vector<double>* largest,
+                    std::vector<Candidate>& candidates) {
+  const model::Model all = gathering.model();
+  auto evaluator = estimation::Evaluator::make(all, ground.data);
+  if (!evaluator) return false;
+  Eigen::VectorXd residuals;
+  RowMatrix jacobian;
+  if (evaluator->evaluate(estimation::parameter_values(all), residuals, &jacobian) != mechanics::PathStatus::ok)
+    return false;
+  const auto count = static_cast<std::size_t>(ground.twins.cols());
+  for (const Columns& entry : gathering.entries()) {
+    const Projected p = project(entry, gathering, jacobian, ground.own, ground.left);
+    if (p.basis.cols() == 0) continue;
+    const Eigen::VectorXd components = p.basis.transpose() * ground.left;
+    const Eigen::MatrixXd twin_components = p.basis.transpose() * ground.twins;
+    std::vector<double> null(count);
+    for (std::size_t k = 0; k < count; ++k)
+      null[k] = statistic(twin_components.col(static_cast<Eigen::Index>(k)), p.positive);
+    const double scale = std::max(percentile(null, 0.95), 1e-9);
+    if (largest)
+      for (std::size_t k = 0; k < count; ++k) (*largest)[k] = std::max((*largest)[k], null[k] / scale);
+    Candidate candidate;
+    candidate.effect = entry.effect;
+    candidate.variant = *entry.variant;
+    candidate.setting = entry.setting;
+    candidate.gain = statistic(components, p.positive);
+    candidate.df = static_cast<int>(p.basis.cols());
+    candidate.ratio = candidate.gain / scale;
+    candidate.direction = p.basis * components;
+    for (std::size_t c = 0; c < entry.addresses.size(); ++c) {
+      double amplitude = entry.off[c] + p.amplitudes[static_cast<Eigen::Index>(c)];
+      if (entry.one_sided[c]) amplitude = std::max(amplitude, 0.0);
+      candidate.setting.emplace_back(entry.addresses[c], amplitude);
+    }
+    candidates.push_back(std::move(candidate));
+  }
+  return true;
+}
+
+/// The model's own space and the null twins.
+Ground make_ground(const model::Model& fitted, const estimation::FitResult& fit, const DataPointer& data,
+                   const estimation::Noise& noise, const ScreenOptions& options, Screen& result) {
+  Ground ground;
+  ground.fitted = &fitted;
+  ground.data = data;
+  std::vector<Eigen::Index> free;
+  for (std::size_t i = 0; i < fit.states.size(); ++i)
+    if (fit.states[i] == estimation::ParameterState::free || fit.states[i] == estimation::ParameterState::flat)
+      free.push_back(static_cast<Eigen::Index>(i));
+  Eigen::MatrixXd own_columns(fit.residuals.size(), static_cast<Eigen::Index>(free.size()));
+  for (std::size_t c = 0; c < free.size(); ++c)
+    own_columns.col(static_cast<Eigen::Index>(c)) = fit.jacobian.col(free[c]);
+  ground.own = range_basis(own_columns);
+  ground.twins = null_twins(data->rows(), noise, options.null_twins, options.seed);
+  ground.twins -= ground.own * (ground.own.transpose() * ground.twins);
+  ground.left = fit.residuals - ground.own * (ground.own.transpose() * fit.residuals);
+  std::vector<double> twin_chi2;
+  for (Eigen::Index k = 0; k < ground.twins.cols(); ++k) twin_chi2.push_back(ground.twins.col(k).squaredNorm());
+  for (const double c : twin_chi2) result.expected_chi2 += c / static_cast<double>(twin_chi2.size());
+  result.lack_of_fit = ground.left.squaredNorm() / percentile(twin_chi2, 0.95);
+  return ground;
+}
+
 }  // namespace
 
-Screen screen(const model::Model& fitted, const estimation::FitResult& fit,
-              const std::shared_ptr<const estimation::DataSet>& data, const estimation::Noise& noise,
-              const Excitation& excitation, const ScreenOptions& options) {
+Screen screen(const model::Model& fitted, const estimation::FitResult& fit, const DataPointer& data,
+              const estimation::Noise& noise, const Excitation& excitation, const ScreenOptions& options) {
   Screen result;
+  const Ground ground = make_ground(fitted, fit, data, noise, options, result);
   Gathering gathering(fitted);
   std::vector<std::vector<Variant>> variants;  // kept alive: the entries point into it
   variants.reserve(catalogue().size());
@@ -232,59 +306,25 @@ Screen screen(const model::Model& fitted, const estimation::FitResult& fit,
     }
     table[&effect] = row;
   }
-
-  const model::Model all = gathering.model();
-  auto evaluator = estimation::Evaluator::make(all, data);
-  if (!evaluator) return result;
-  Eigen::VectorXd residuals;
-  RowMatrix jacobian;
-  if (evaluator->evaluate(estimation::parameter_values(all), residuals, &jacobian) != mechanics::PathStatus::ok)
-    return result;
-
-  std::vector<Eigen::Index> free;
-  for (std::size_t i = 0; i < fit.states.size(); ++i)
-    if (fit.states[i] == estimation::ParameterState::free || fit.states[i] == estimation::ParameterState::flat)
-      free.push_back(static_cast<Eigen::Index>(i));
-  Eigen::MatrixXd own_columns(residuals.size(), static_cast<Eigen::Index>(free.size()));
-  for (std::size_t c = 0; c < free.size(); ++c)
-    own_columns.col(static_cast<Eigen::Index>(c)) = fit.jacobian.col(free[c]);
-  const Eigen::MatrixXd own = range_basis(own_columns);
-
-  Eigen::MatrixXd twins = null_twins(evaluator->rows(), noise, options.null_twins, options.seed);
-  twins -= own * (own.transpose() * twins);
-  std::vector<double> twin_chi2;
-  for (Eigen::Index k = 0; k < twins.cols(); ++k) twin_chi2.push_back(twins.col(k).squaredNorm());
-  const Eigen::VectorXd left = residuals - own * (own.transpose() * residuals);
-  for (const double c : twin_chi2) result.expected_chi2 += c / static_cast<double>(twin_chi2.size());
-  result.lack_of_fit = left.squaredNorm() / percentile(twin_chi2, 0.95);
-
   std::vector<double> largest(static_cast<std::size_t>(options.null_twins), 0.0);
-  for (const Columns& entry : gathering.entries()) {
-    const Projected p = project(entry, gathering, jacobian, own, left);
-    if (p.basis.cols() == 0) continue;
-    const Eigen::VectorXd components = p.basis.transpose() * left;
-    const Eigen::MatrixXd twin_components = p.basis.transpose() * twins;
-    std::vector<double> null(static_cast<std::size_t>(options.null_twins));
-    for (int k = 0; k < options.null_twins; ++k)
-      null[static_cast<std::size_t>(k)] = statistic(twin_components.col(k), p.positive);
-    const double scale = std::max(percentile(null, 0.95), 1e-9);
-    for (std::size_t k = 0; k < null.size(); ++k) largest[k] = std::max(largest[k], null[k] / scale);
-    Candidate candidate;
-    candidate.effect = entry.effect;
-    candidate.variant = *entry.variant;
-    candidate.setting = entry.setting;
-    candidate.gain = statistic(components, p.positive);
-    candidate.df = static_cast<int>(p.basis.cols());
-    candidate.ratio = candidate.gain / scale;
-    candidate.direction = p.basis * components;
-    for (std::size_t c = 0; c < entry.addresses.size(); ++c) {
-      double amplitude = entry.off[c] + p.amplitudes[static_cast<Eigen::Index>(c)];
-      if (entry.one_sided[c]) amplitude = std::max(amplitude, 0.0);
-      candidate.setting.emplace_back(entry.addresses[c], amplitude);
-    }
-    result.candidates.push_back(std::move(candidate));
+  if (!add_candidates(gathering, ground, &largest, result.candidates)) return result;
+  const auto by_ratio = [](const Candidate& a, const Candidate& b) { return a.ratio > b.ratio; };
+  std::stable_sort(result.candidates.begin(), result.candidates.end(), by_ratio);
+
+  // a finer look at the two likeliest variants of each effect that has one
+  Gathering fine(fitted);
+  std::map<const Effect*, std::set<std::string>> looked_at;
+  std::vector<Variant> fine_variants;
+  fine_variants.reserve(result.candidates.size());
+  for (const Candidate& c : result.candidates) {
+    if (c.variant.finer.empty() || looked_at[c.effect].size() >= 2) continue;
+    if (!looked_at[c.effect].insert(c.variant.words).second) continue;
+    fine_variants.push_back(c.variant);
+    for (const Setting& setting : c.variant.finer) fine.add(*c.effect, fine_variants.back(), setting);
   }
-  const double threshold = largest.empty() ? 1.0 : percentile(largest, 0.95);
+  if (!fine.entries().empty()) add_candidates(fine, ground, &largest, result.candidates);
+
+  const double threshold = percentile(largest, 0.95);
   for (Candidate& c : result.candidates) {
     c.ratio /= threshold;
     ScreenRow& row = table[c.effect];
@@ -295,8 +335,7 @@ Screen screen(const model::Model& fitted, const estimation::FitResult& fit,
     row.ratio = c.ratio;
     row.grid = c.setting;
   }
-  std::stable_sort(result.candidates.begin(), result.candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.ratio > b.ratio; });
+  std::stable_sort(result.candidates.begin(), result.candidates.end(), by_ratio);
   for (const Effect& effect : catalogue()) result.table.push_back(table[&effect]);
   std::stable_sort(result.table.begin(), result.table.end(),
                    [](const ScreenRow& a, const ScreenRow& b) { return a.ratio > b.ratio; });

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@
 #include "server/estimation/noise.h"
 
 namespace tenter::diagnosis {
+
+using DataPointer = std::shared_ptr<const estimation::DataSet>;
 
 struct Candidate {
   const Effect* effect = nullptr;
@@ -53,7 +56,7 @@ struct ScreenOptions {
 };
 
 Screen screen(const model::Model& fitted, const estimation::FitResult& fit,
-              const std::shared_ptr<const estimation::DataSet>& data, const estimation::Noise& noise,
-              const Excitation& excitation, const ScreenOptions& options);
+              const DataPointer& data, const estimation::Noise& noise, const Excitation& excitation,
+              const ScreenOptions& options);
 
 }  // namespace tenter::diagnosis

@@ -21,6 +21,7 @@ std::vector<double> chi2_by_block(const std::vector<estimation::Row>& rows, cons
   std::vector<double> sums(static_cast<std::size_t>(blocks), 0.0);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const double x = residuals[static_cast<Eigen::Index>(r)];
+    if (!std::isfinite(x)) continue;  // no fold left this row out
     sums[static_cast<std::size_t>(rows[r].block)] += x * x;
   }
   return sums;
@@ -44,11 +45,15 @@ Trial refit(const Candidate& candidate, const model::Model& base, const DataPoin
   trial.effect = candidate.effect;
   trial.variant = candidate.variant;
   trial.ratio = candidate.ratio;
+  trial.data = data;
   trial.model = extend(base, candidate.variant, candidate.setting, candidate.effect->id);
   estimation::adapt_spline_ranges(trial.model, data->curves);
   auto evaluator = estimation::Evaluator::make(trial.model, data);
   if (!evaluator) return trial;
-  trial.fit = estimation::fit(*evaluator, trial.model, {});
+  estimation::FitOptions options;
+  options.max_iterations = 40;
+  options.tolerance = 1e-6;
+  trial.fit = estimation::fit(*evaluator, trial.model, options);
   if (!trial.fit.usable) {  // the expected amplitudes may be too far: once more from "off"
     Setting grid_only;
     for (const auto& [address, value] : candidate.setting)
@@ -57,7 +62,7 @@ Trial refit(const Candidate& candidate, const model::Model& base, const DataPoin
           if (entry.first == address && entry.second == value) grid_only.emplace_back(address, value);
     trial.model = extend(base, candidate.variant, grid_only, candidate.effect->id);
     estimation::adapt_spline_ranges(trial.model, data->curves);
-    trial.fit = estimation::fit(*evaluator, trial.model, {});
+    trial.fit = estimation::fit(*evaluator, trial.model, options);
   }
   if (!trial.fit.usable) return trial;
   estimation::store(trial.fit, trial.model);
@@ -74,26 +79,36 @@ bool enters_nonlinearly(const std::string& name) {
   return false;
 }
 
-/// Relative standard error of several amplitudes together, 1/sqrt(a' C^-1 a): parameters that trade against each other
-/// may each be vague while what they do together is not. Infinite where none moves.
+/// Relative standard error of several amplitudes together at the given shape, 1/sqrt(a' C^-1 a) with C their covariance
+/// when the parameters of the shape (tau and the like) are held: parameters that trade against each other may each be
+/// vague while what they do together is not. Infinite where none moves.
 double joint_relative_error(const Trial& trial, const std::vector<std::size_t>& amplitudes,
-                            const std::vector<double>& off) {
-  std::vector<std::size_t> free;
-  for (std::size_t i = 0; i < amplitudes.size(); ++i)
-    if (trial.fit.states[amplitudes[i]] == ParameterState::free) free.push_back(i);
-  if (free.empty()) return 1e300;
-  const auto n = static_cast<Eigen::Index>(free.size());
-  Eigen::MatrixXd covariance(n, n);
-  Eigen::VectorXd value(n);
-  for (Eigen::Index r = 0; r < n; ++r) {
-    const auto i = static_cast<Eigen::Index>(amplitudes[free[static_cast<std::size_t>(r)]]);
-    value[r] = trial.fit.parameters[i] - off[free[static_cast<std::size_t>(r)]];
-    for (Eigen::Index c = 0; c < n; ++c) {
-      const auto j = static_cast<Eigen::Index>(amplitudes[free[static_cast<std::size_t>(c)]]);
+                            const std::vector<double>& off, const std::vector<std::size_t>& shape) {
+  const auto is_free = [&](std::size_t i) { return trial.fit.states[i] == ParameterState::free; };
+  std::vector<std::size_t> moving;
+  std::vector<double> value;
+  for (std::size_t i = 0; i < amplitudes.size(); ++i) {
+    if (!is_free(amplitudes[i])) continue;
+    moving.push_back(amplitudes[i]);
+    value.push_back(trial.fit.parameters[static_cast<Eigen::Index>(amplitudes[i])] - off[i]);
+  }
+  if (moving.empty()) return 1e300;
+  const auto n = static_cast<Eigen::Index>(moving.size());
+  for (const std::size_t i : shape)
+    if (is_free(i)) moving.push_back(i);
+  const auto all = static_cast<Eigen::Index>(moving.size());
+  Eigen::MatrixXd covariance(all, all);
+  for (Eigen::Index r = 0; r < all; ++r) {
+    const auto i = static_cast<Eigen::Index>(moving[static_cast<std::size_t>(r)]);
+    for (Eigen::Index c = 0; c < all; ++c) {
+      const auto j = static_cast<Eigen::Index>(moving[static_cast<std::size_t>(c)]);
       covariance(r, c) = trial.fit.correlation(i, j) * trial.fit.std_error[i] * trial.fit.std_error[j];
     }
   }
-  const double wald = value.dot(covariance.ldlt().solve(value));
+  // the information of the amplitudes at a fixed shape is the block of the whole information
+  const Eigen::MatrixXd information = covariance.ldlt().solve(Eigen::MatrixXd::Identity(all, all)).topLeftCorner(n, n);
+  const Eigen::Map<const Eigen::VectorXd> a(value.data(), n);
+  const double wald = a.dot(information * a);
   return wald > 0.0 ? 1.0 / std::sqrt(wald) : 1e300;
 }
 
@@ -104,17 +119,20 @@ void check_parameters(Trial& trial) {
   const auto all = estimation::parameters_of(std::as_const(trial.model));
   const auto check = [&](const std::string& owner, double off_value) {
     std::vector<std::size_t> amplitudes;
+    std::vector<std::size_t> shape;
     std::vector<double> off;
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (!names[i].starts_with(owner + ".") || all[i]->fixed) continue;
       if (!enters_nonlinearly(names[i])) {
         amplitudes.push_back(i);
         off.push_back(off_value);
-      } else if (all[i]->upper && all[i]->value >= *all[i]->upper * (1.0 - 1e-6)) {
-        trial.objections.push_back(names[i] + " runs to its upper bound");
+        continue;
       }
+      shape.push_back(i);
+      if (all[i]->upper && all[i]->value >= *all[i]->upper * (1.0 - 1e-6))
+        trial.objections.push_back(names[i] + " runs to its upper bound");
     }
-    const double error = joint_relative_error(trial, amplitudes, off);
+    const double error = joint_relative_error(trial, amplitudes, off, shape);
     if (error > 1e3)
       trial.objections.push_back(owner + " is at a bound or moves nothing");
     else if (error > kVague)
@@ -125,12 +143,55 @@ void check_parameters(Trial& trial) {
   for (const model::SensorCorrection& c : trial.variant.corrections) check(c.id, c.type == "gain" ? 1.0 : 0.0);
 }
 
+/// An accident is an event: within a few frames of the place where it is said to be, the residuals must jump by what the
+/// fit says it was. A smooth misfit of one run does not.
+void check_step(Trial& trial, const Reference& before, const std::vector<estimation::Row>& rows) {
+  constexpr int kFrames = 4;
+  for (const model::SensorCorrection& c : trial.variant.corrections) {
+    const model::SensorCorrection* fitted = nullptr;
+    for (const model::SensorCorrection& f : trial.model.corrections)
+      if (f.id == c.id) fitted = &f;
+    if (!fitted || c.type != "clip_slip") continue;
+    const int at = static_cast<int>(fitted->parameters[1].value);
+    std::vector<double> early;
+    std::vector<double> late;
+    double sigma = 1.0;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const auto& curves = trial.data->curves[static_cast<std::size_t>(rows[r].curve)];
+      const auto& channel = curves.channels[static_cast<std::size_t>(rows[r].channel)];
+      if (curves.id != c.capture || !channel.is_stress ||
+          estimation::component_name(channel.component) != c.component)
+        continue;
+      sigma = trial.data->sigma_of(rows[r]);
+      const double x = -before.fit.residuals[static_cast<Eigen::Index>(r)] * sigma;
+      if (rows[r].frame >= at - kFrames && rows[r].frame < at) early.push_back(x);
+      if (rows[r].frame >= at && rows[r].frame < at + kFrames) late.push_back(x);
+    }
+    if (early.size() < 2 || late.size() < 2) {
+      trial.objections.push_back("the step is at the end of a run");
+      return;
+    }
+    // the trend on either side is not the step's: what is left between its two ends is
+    const auto edge = [](const std::vector<double>& x, bool at_end) {
+      const double slope = (x.back() - x.front()) / static_cast<double>(x.size() - 1);
+      double mean = 0.0;
+      for (const double v : x) mean += v / static_cast<double>(x.size());
+      return mean + (at_end ? 0.5 : -0.5) * slope * static_cast<double>(x.size());
+    };
+    const double jump = edge(late, false) - edge(early, true);
+    const double step = fitted->parameters[0].value;
+    if (!(jump * step > 0.0) || std::abs(jump) < 0.5 * std::abs(step) || std::abs(jump) < 2.5 * sigma)
+      trial.objections.push_back("the residuals do not jump where the step should be");
+  }
+}
+
 /// One comparison on left-out data; the objection to the trial, or nothing.
 std::string held_out_objection(Trial& trial, const Reference& before, const DataPointer& data, double expected_chi2,
                                const estimation::Folds& folds, estimation::Evaluator& larger,
                                estimation::Evaluator& smaller) {
   estimation::FitOptions options;
   options.max_iterations = 25;
+  options.tolerance = 1e-5;
   const estimation::HeldOut after = estimation::cross_validate(larger, trial.model, folds, options);
   const estimation::HeldOut earlier = estimation::cross_validate(smaller, before.model, folds, options);
   if (!after.usable || !earlier.usable) return "a refit without one of the " + folds.kind + " failed";
@@ -146,26 +207,29 @@ std::string held_out_objection(Trial& trial, const Reference& before, const Data
     variance += std::pow(b[i] - a[i] - mean, 2) / static_cast<double>(std::max<std::size_t>(1, a.size() - 1));
   trial.held_out_error = std::sqrt(variance * static_cast<double>(a.size()));
   const double gain = earlier.chi2 - after.chi2;
-  const double above_noise = std::max(0.0, earlier.chi2 - expected_chi2);
+  const double share = earlier.left_out.sum() / static_cast<double>(earlier.left_out.size());
+  const double above_noise = std::max(0.0, earlier.chi2 - expected_chi2 * share);
   if (gain < trial.held_out_error) return "on left-out " + folds.kind + " the gain is within its own standard error";
   if (gain < 0.05 * above_noise)
     return "on left-out " + folds.kind + " it gains less than 5 % of what is above the noise";
   return "";
 }
 
-/// The hardest kind of left-out data that the trial passes counts. A kind that it fails counts only where the rest of
-/// the data could have told: a protocol that alone shows the effect cannot be foretold without it.
+/// The hardest kind of left-out data that can judge the trial counts: at least two folds of it in which the rest of the
+/// data determine what the effect does to what is left out. A protocol that alone shows an effect cannot be foretold
+/// without it, and its fold says nothing.
 void check_held_out(Trial& trial, const Reference& before, const DataPointer& data, double expected_chi2) {
   auto larger = estimation::Evaluator::make(trial.model, data);
   auto smaller = estimation::Evaluator::make(before.model, data);
   std::string objection = "there is nothing that could be left out";
   for (const std::string& kind : estimation::fold_kinds()) {
-    const estimation::Folds folds = estimation::make_folds(*data, larger->rows(), kind);
-    if (folds.training.empty()) continue;
+    estimation::Folds folds = estimation::make_folds(*data, larger->rows(), kind);
+    estimation::keep_determined(folds, trial.fit, before.fit);
+    if (folds.training.size() < 2) continue;
     objection = held_out_objection(trial, before, data, expected_chi2, folds, *larger, *smaller);
-    if (objection.empty()) return;
-    if (estimation::folds_determine(*data, larger->rows(), trial.fit, folds)) break;
+    break;
   }
+  if (objection.empty()) return;
   trial.objections.push_back(objection);
 }
 
@@ -181,6 +245,7 @@ void judge(Trial& trial, const Reference& before, const DataPointer& data, doubl
   trial.p_value = f_test(before.fit.chi2, trial.fit.chi2, added, trial.parameters, rows);
   if (trial.p_value >= 1e-3) trial.objections.push_back("an F test on independent rows gives it p = " + std::to_string(trial.p_value));
   check_parameters(trial);
+  if (!trial.effect->in_every_run) check_step(trial, before, data->rows());
   if (!trial.effect->in_every_run || !trial.objections.empty()) return;
 
   check_held_out(trial, before, data, expected_chi2);

@@ -13,6 +13,7 @@ namespace tenter::diagnosis {
 
 struct Trial {
   const Effect* effect = nullptr;
+  DataPointer data;
   Variant variant;
   model::Model model;            ///< fitted
   estimation::FitResult fit;
@@ -33,8 +34,6 @@ struct Reference {
   estimation::FitResult fit;
   std::vector<double> block_chi2;
 };
-
-using DataPointer = std::shared_ptr<const estimation::DataSet>;
 
 /// Refits; `usable` of the fit says whether it went well.
 Trial refit(const Candidate& candidate, const model::Model& base, const DataPointer& data);

@@ -173,7 +173,7 @@ FitResult fit(Evaluator& evaluator, const model::Model& start, const FitOptions&
     ceres::Solver::Options solver;
     solver.linear_solver_type = ceres::DENSE_QR;
     solver.max_num_iterations = options.max_iterations;
-    solver.function_tolerance = 1e-7;
+    solver.function_tolerance = options.tolerance;
     solver.parameter_tolerance = 1e-9;
     solver.num_threads = 1;
     solver.logging_type = ceres::SILENT;

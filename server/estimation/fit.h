@@ -27,6 +27,7 @@ enum class ParameterState {
 struct FitOptions {
   Eigen::VectorXd weights;  ///< one per row, 0 or 1; empty: all 1
   int max_iterations = 80;
+  double tolerance = 1e-7;  ///< relative fall of the cost below which the fit has converged
   /// Called after each iteration with its number and cost; returns false to stop.
   std::function<bool(int, double)> on_iteration;
 };

@@ -2,6 +2,8 @@
 #include "server/estimation/hold_out.h"
 
 #include <Eigen/Dense>
+#include <cmath>
+#include <limits>
 #include <map>
 
 namespace tenter::estimation {
@@ -57,48 +59,44 @@ Folds make_folds(const DataSet& data, const std::vector<Row>& rows, const std::s
   return folds;
 }
 
-bool folds_determine(const DataSet& data, const std::vector<Row>& rows, const FitResult& fit, const Folds& folds) {
-  constexpr double kWorstShare = 0.33;
+void keep_determined(Folds& folds, const FitResult& larger, const FitResult& smaller) {
+  constexpr double kWorstShare = 0.5;
   std::vector<Eigen::Index> moving;
-  for (std::size_t i = 0; i < fit.states.size(); ++i)
-    if (fit.states[i] == ParameterState::free || fit.states[i] == ParameterState::flat) moving.push_back(static_cast<Eigen::Index>(i));
-  if (moving.empty()) return true;
+  for (std::size_t i = 0; i < larger.states.size(); ++i)
+    if (larger.states[i] == ParameterState::free || larger.states[i] == ParameterState::flat)
+      moving.push_back(static_cast<Eigen::Index>(i));
+  if (moving.empty()) return;
   const auto m = static_cast<Eigen::Index>(moving.size());
-  const auto n = static_cast<Eigen::Index>(rows.size());
-  Eigen::MatrixXd j(n, m);
+  Eigen::MatrixXd j(larger.residuals.size(), m);
   for (Eigen::Index c = 0; c < m; ++c) {
-    j.col(c) = fit.jacobian.col(moving[static_cast<std::size_t>(c)]);
+    j.col(c) = larger.jacobian.col(moving[static_cast<std::size_t>(c)]);
     j.col(c) /= j.col(c).norm();
   }
-  const double unit = std::max(1.0, fit.chi2 / std::max(1.0, fit.effective_rows - static_cast<double>(m)));
-  for (const Eigen::VectorXd& training : folds.training) {
+  const double unit = larger.chi2 / std::max(1.0, larger.effective_rows - static_cast<double>(m));
+  std::erase_if(folds.training, [&](const Eigen::VectorXd& training) {
     Eigen::MatrixXd normal = j.transpose() * training.asDiagonal() * j;
     normal.diagonal().array() += 1e-9;
     const Eigen::LDLT<Eigen::MatrixXd> factor(normal);
     double variance = 0.0;
-    double signal = 0.0;
-    for (Eigen::Index r = 0; r < n; ++r) {
+    double change = 0.0;
+    double missed = 0.0;
+    for (Eigen::Index r = 0; r < j.rows(); ++r) {
       if (training[r] > 0.0) continue;
-      const Row& row = rows[static_cast<std::size_t>(r)];
-      const ObservedChannel& channel =
-          data.curves[static_cast<std::size_t>(row.curve)].channels[static_cast<std::size_t>(row.channel)];
-      const double rest = channel.is_stress || channel.component == 2 ? 0.0 : 1.0;
-      const double value =
-          (channel.measured[static_cast<std::size_t>(row.frame)] - rest) / data.sigma_of(row);
-      signal += value * value;
       const Eigen::VectorXd x = j.row(r).transpose();
       variance += unit * x.dot(factor.solve(x));
+      change += std::pow(larger.residuals[r] - smaller.residuals[r], 2);
+      missed += std::pow(smaller.residuals[r], 2);
     }
-    if (variance > kWorstShare * kWorstShare * signal) return false;
-  }
-  return true;
+    return variance > kWorstShare * kWorstShare * std::max(change, missed);
+  });
 }
 
 HeldOut cross_validate(Evaluator& evaluator, const model::Model& model, const Folds& folds,
                        const FitOptions& options) {
   HeldOut result;
   if (folds.training.empty()) return result;
-  result.residuals.setZero(evaluator.row_count());
+  result.residuals = Eigen::VectorXd::Constant(evaluator.row_count(), std::numeric_limits<double>::quiet_NaN());
+  result.left_out = Eigen::VectorXd::Zero(evaluator.row_count());
   for (const Eigen::VectorXd& training : folds.training) {
     FitOptions fold = options;
     fold.weights = training;
@@ -106,9 +104,12 @@ HeldOut cross_validate(Evaluator& evaluator, const model::Model& model, const Fo
     const FitResult fitted = fit(evaluator, model, fold);
     if (!fitted.usable) return result;
     for (Eigen::Index r = 0; r < training.size(); ++r)
-      if (training[r] == 0.0) result.residuals[r] = fitted.residuals[r];
+      if (training[r] == 0.0) {
+        result.residuals[r] = fitted.residuals[r];
+        result.left_out[r] = 1.0;
+        result.chi2 += fitted.residuals[r] * fitted.residuals[r];
+      }
   }
-  result.chi2 = result.residuals.squaredNorm();
   result.usable = true;
   return result;
 }

@@ -24,14 +24,16 @@ const std::vector<std::string>& fold_kinds();
 /// Empty where the data have too few members of the kind: three protocols, two of the others.
 Folds make_folds(const DataSet& data, const std::vector<Row>& rows, const std::string& kind);
 
-/// What each fold leaves out can be predicted from the rest: the standard error of the prediction, with the misfit of
-/// the fit as its unit, stays below a third of the signal. Where it does not, a bad score says nothing of the model.
-bool folds_determine(const DataSet& data, const std::vector<Row>& rows, const FitResult& fit, const Folds& folds);
+/// Drops the folds whose left-out rows the rest of the data cannot foretell: the standard error of the larger model's
+/// prediction there, with its own misfit as the unit, exceeds half of what that model changes and half of what the
+/// smaller one misses. A bad score on such a fold would say nothing of the model.
+void keep_determined(Folds& folds, const FitResult& larger, const FitResult& smaller);
 
 struct HeldOut {
   bool usable = false;
   double chi2 = 0.0;
-  Eigen::VectorXd residuals;  ///< whitened, each row from the fit that did not see it
+  Eigen::VectorXd residuals;  ///< whitened, each row from the fit that did not see it; NaN where no fold left it out
+  Eigen::VectorXd left_out;   ///< 1 on the rows that some fold left out, else 0
 };
 
 /// Refits without each fold, starting from the model's values.

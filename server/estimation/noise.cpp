@@ -50,12 +50,17 @@ Segment make_segment(const Curves& curves, const Block& block, const std::vector
   return segment;
 }
 
-/// The sample nearest to x: interpolating between two would take a third of their noise away.
-double nearest(const Segment& s, double x) {
-  std::size_t best = 0;
-  for (std::size_t k = 1; k < s.x.size(); ++k)
-    if (std::abs(s.x[k] - x) < std::abs(s.x[best] - x)) best = k;
-  return s.value[best];
+/// Value at x, linear between samples, and the share of one sample's variance that white noise keeps in it.
+struct Interpolated {
+  double value = 0.0;
+  double kept = 1.0;
+};
+Interpolated interpolate(const Segment& s, double x) {
+  std::size_t k = 1;
+  while (k + 1 < s.x.size() && s.x[k] < x) ++k;
+  const double span = s.x[k] - s.x[k - 1];
+  const double w = span > 0.0 ? std::clamp((x - s.x[k - 1]) / span, 0.0, 1.0) : 0.5;
+  return {(1.0 - w) * s.value[k - 1] + w * s.value[k], w * w + (1.0 - w) * (1.0 - w)};
 }
 
 /// Standard deviation of white noise from second differences: r[i] - (r[i-1] + r[i+1])/2 has variance 1.5 sigma^2.
@@ -96,11 +101,15 @@ std::vector<std::vector<double>> deviations(std::vector<Member>& members) {
   for (int g = 0; g < kGridPoints; ++g) {
     const double x = lo + (hi - lo) * (g + 0.5) / kGridPoints;
     double mean = 0.0;
+    double kept = 0.0;
+    const double count = static_cast<double>(members.size());
     for (std::size_t m = 0; m < members.size(); ++m) {
-      result[m].push_back(nearest(members[m].segment, x));
-      mean += result[m].back() / static_cast<double>(members.size());
+      const Interpolated at = interpolate(members[m].segment, x);
+      result[m].push_back(at.value);
+      mean += at.value / count;
+      kept += at.kept / count;
     }
-    for (auto& sequence : result) sequence.back() = (sequence.back() - mean) * scale;
+    for (auto& sequence : result) sequence.back() = (sequence.back() - mean) * scale / std::sqrt(kept);
   }
   return result;
 }

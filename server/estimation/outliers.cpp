@@ -13,12 +13,10 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// value minus the median of the 2h+1 residuals centred on it; the ends of a block, where the window would lean to one
-/// side, keep the nearest full window's.
+/// Value minus the median of the 2h+1 values centred on it; zero at the ends, where the window would lean to one side.
 std::vector<double> without_trend(const std::vector<double>& x, int half) {
   const int n = static_cast<int>(x.size());
   std::vector<double> y(x.size(), 0.0);
-  if (n < 2 * half + 1) return y;
   for (int i = half; i < n - half; ++i) {
     const std::vector<double> window(x.begin() + (i - half), x.begin() + (i + half + 1));
     y[static_cast<std::size_t>(i)] = x[static_cast<std::size_t>(i)] - median(window);
@@ -26,56 +24,102 @@ std::vector<double> without_trend(const std::vector<double>& x, int half) {
   return y;
 }
 
+/// Median absolute deviation of the values around each place, as a standard deviation.
+std::vector<double> local_scale(const std::vector<double>& y, int half) {
+  const int n = static_cast<int>(y.size());
+  std::vector<double> scale(y.size(), 0.0);
+  for (int i = 0; i < n; ++i) {
+    std::vector<double> window;
+    for (int k = std::max(0, i - half); k < std::min(n, i + half + 1); ++k)
+      window.push_back(std::abs(y[static_cast<std::size_t>(k)]));
+    scale[static_cast<std::size_t>(i)] = 1.4826 * median(window);
+  }
+  return scale;
+}
+
+/// Frames of one block in the order of the imposed component that moves most.
+std::vector<std::size_t> along_strain(const Curves& curves, const std::vector<Row>& rows, std::size_t first,
+                                      std::size_t last) {
+  Eigen::Vector3d lo = curves.path.q[static_cast<std::size_t>(rows[first].frame)];
+  Eigen::Vector3d hi = lo;
+  for (std::size_t r = first; r < last; ++r) {
+    const Eigen::Vector3d& q = curves.path.q[static_cast<std::size_t>(rows[r].frame)];
+    lo = lo.cwiseMin(q);
+    hi = hi.cwiseMax(q);
+  }
+  int driver = 0;
+  double most = -1.0;
+  for (int i = 0; i < 3; ++i) {
+    if (curves.path.is_free[static_cast<std::size_t>(i)] || hi[i] - lo[i] <= most) continue;
+    most = hi[i] - lo[i];
+    driver = i;
+  }
+  std::vector<std::size_t> order;
+  for (std::size_t r = first; r < last; ++r) order.push_back(r);
+  if (most > 1e-9)
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return curves.path.q[static_cast<std::size_t>(rows[a].frame)][driver] <
+             curves.path.q[static_cast<std::size_t>(rows[b].frame)][driver];
+    });
+  return order;
+}
+
 }  // namespace
 
 std::vector<Outlier> find_outliers(const DataSet& data, const std::vector<Row>& rows,
-                                   const Eigen::VectorXd& residuals,
-                                   const OutlierOptions& options) {
+                                   const Eigen::VectorXd& residuals, const OutlierOptions& options) {
+  constexpr int kScaleHalfWindow = 25;
   std::vector<Outlier> found;
   std::size_t first = 0;
   while (first < rows.size()) {
     // one channel of one curve: its blocks follow each other
     std::size_t end = first;
-    while (end < rows.size() && rows[end].curve == rows[first].curve &&
-           rows[end].channel == rows[first].channel)
-      ++end;
-    std::vector<double> local;
-    std::vector<std::size_t> at;
+    while (end < rows.size() && rows[end].curve == rows[first].curve && rows[end].channel == rows[first].channel) ++end;
+    const auto i = static_cast<std::size_t>(rows[first].curve);
+    const auto c = static_cast<std::size_t>(rows[first].channel);
+    const ObservedChannel& channel = data.curves[i].channels[c];
+    const double sigma = data.sigma[i][c];
+
+    std::vector<double> deviation(end - first, 0.0);
+    std::vector<double> scale(end - first, 0.0);
+    double lo = 1e300;
+    double hi = -1e300;
     for (std::size_t block = first; block < end;) {
       std::size_t last = block;
+      while (last < end && rows[last].block == rows[block].block) ++last;
+      const auto order = along_strain(data.curves[i], rows, block, last);
       std::vector<double> x;
-      while (last < end && rows[last].block == rows[block].block)
-        x.push_back(residuals[static_cast<Eigen::Index>(last++)]);
+      for (const std::size_t r : order) x.push_back(residuals[static_cast<Eigen::Index>(r)]);
       const std::vector<double> y = without_trend(x, options.half_window);
-      for (std::size_t i = 0; i < y.size(); ++i) {
-        local.push_back(y[i]);
-        at.push_back(block + i);
+      const std::vector<double> around = local_scale(y, kScaleHalfWindow);
+      for (std::size_t k = 0; k < order.size(); ++k) {
+        deviation[order[k] - first] = y[k];
+        scale[order[k] - first] = around[k];
+        const double m = channel.measured[static_cast<std::size_t>(rows[order[k]].frame)];
+        lo = std::min(lo, m);
+        hi = std::max(hi, m);
       }
       block = last;
     }
-    const auto i = static_cast<std::size_t>(rows[first].curve);
-    const auto c = static_cast<std::size_t>(rows[first].channel);
-    const double sigma = data.sigma[i][c];
     std::vector<double> size;
-    for (const double v : local) size.push_back(std::abs(v));
-    double scale = size.empty() ? 0.0 : 1.4826 * median(size);
+    for (const double v : deviation) size.push_back(std::abs(v));
     // quantised readings have a median deviation of zero: never below the resolution
-    scale = std::max(scale, data.curves[i].channels[c].resolution / sigma);
-    for (std::size_t k = 0; k < local.size() && scale > 0.0;) {
-      if (std::abs(local[k]) <= options.threshold * scale) {
-        ++k;
-        continue;
-      }
+    const double whole = std::max(1.4826 * median(size), channel.resolution / sigma);
+    const double smallest = options.smallest_share * (hi - lo) / sigma;
+    const auto is_far = [&](std::size_t k) {
+      return size[k] > options.threshold * std::max(whole, scale[k]) && size[k] > smallest;
+    };
+    for (std::size_t k = 0; k < deviation.size();) {
       std::size_t stop = k;
-      while (stop < local.size() && std::abs(local[stop]) > options.threshold * scale) ++stop;
-      if (static_cast<int>(stop - k) <= options.longest) {
+      while (stop < deviation.size() && is_far(stop)) ++stop;
+      if (stop > k && static_cast<int>(stop - k) <= options.longest) {
         for (std::size_t j = k; j < stop; ++j) {
-          const Row& row = rows[at[j]];
-          found.push_back({row.curve, row.channel, row.frame, -local[j] * sigma,
-                           std::abs(local[j]) / scale});
+          const Row& row = rows[first + j];
+          found.push_back({row.curve, row.channel, row.frame, -deviation[j] * sigma,
+                           size[j] / std::max({whole, scale[j], 1e-12})});
         }
       }
-      k = stop;
+      k = std::max(stop, k + 1);
     }
     first = end;
   }

@@ -6,6 +6,13 @@
 #include <cmath>
 
 namespace tenter::mechanics {
+namespace {
+
+/// At most three unknowns, on the stack.
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
+
+}  // namespace
 
 Expected<MaterialPoint> MaterialPoint::make(const model::Model& model) {
   MaterialPoint point;
@@ -101,18 +108,19 @@ bool MaterialPoint::solve_free(const HomogeneousStrain& kinematics,
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     if (!std::isfinite(norm)) return false;
     if (norm <= kTolerance * (balance.scale + 1e-9)) return true;
-    Eigen::MatrixXd k(count, count);
-    Eigen::VectorXd r(count);
+    SmallMatrix k = SmallMatrix::Zero(count, count);
+    SmallVector r = SmallVector::Zero(count);
     for (int i = 0; i < count; ++i) {
       r[i] = balance.stress[free[i]];
       for (int j = 0; j < count; ++j) k(i, j) = balance.tangent(free[i], free[j]);
     }
     const double stiffness = k.cwiseAbs().maxCoeff();
-    const double smallest = count == 1 ? k(0, 0) : k.selfadjointView<Eigen::Lower>().eigenvalues()[0];
+    const double smallest =
+        count == 1 ? k(0, 0) : Eigen::SelfAdjointEigenSolver<SmallMatrix>(k, Eigen::EigenvaluesOnly).eigenvalues()[0];
     if (smallest < 1e-6 * stiffness)
       k.diagonal().array() += 1e-3 * stiffness - std::min(smallest, 0.0);
     if (!(stiffness > 0.0)) return false;
-    const Eigen::VectorXd step = -k.partialPivLu().solve(r);
+    const SmallVector step = -k.partialPivLu().solve(r);
     double length = 1.0;
     for (int i = 0; i < count; ++i)  // at most a quarter of the stretch in one go
       length = std::min(length, 0.25 * std::max(std::abs(q[free[i]]), 0.2) /
@@ -172,17 +180,16 @@ void MaterialPoint::differentiate(const std::array<bool, 3>& is_free, const Bala
   for (int i = 0; i < 3; ++i)
     if (is_free[static_cast<std::size_t>(i)]) free[count++] = i;
   if (count > 0) {
-    Eigen::MatrixXd k(count, count);
-    Eigen::MatrixXd rhs(count, parameter_count_);
-    for (int i = 0; i < count; ++i) {
-      rhs.row(i) = -stress_by_p.row(free[i]);
+    SmallMatrix k = SmallMatrix::Zero(count, count);
+    for (int i = 0; i < count; ++i)
       for (int j = 0; j < count; ++j) k(i, j) = balance.tangent(free[i], free[j]);
-    }
-    const Eigen::MatrixXd solution = k.partialPivLu().solve(rhs);
-    for (int i = 0; i < count; ++i) q_by_p.row(free[i]) = solution.row(i);
+    const SmallMatrix inverse = k.inverse();
+    for (int i = 0; i < count; ++i)
+      for (int j = 0; j < count; ++j)
+        q_by_p.row(free[i]) -= inverse(i, j) * stress_by_p.row(free[j]);
     for (int a = 0; a < 3; ++a)
       for (int i = 0; i < count; ++i)
-        stress_by_p.row(a) += balance.tangent(a, free[i]) * solution.row(i);
+        stress_by_p.row(a) += balance.tangent(a, free[i]) * q_by_p.row(free[i]);
     for (int i = 0; i < count; ++i) stress_by_p.row(free[i]).setZero();
   }
   // states at the end of the step

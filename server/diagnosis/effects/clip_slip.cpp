@@ -16,7 +16,7 @@ Effect clip_slip() {
                      {{"repeat", "the run that stepped"}}};
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
-    // a step may begin at any of a dozen places of a run; a finer search follows in the refit
+    // a step may begin at any of a dozen places of a run, and then at any frame of the likeliest run
     constexpr int kPlaces = 12;
     for (const estimation::Curves& curves : excitation.curves) {
       if (curves.runs.size() < 2 && excitation.curves.size() < 2) continue;
@@ -33,6 +33,8 @@ Effect clip_slip() {
             if (at - run.first < 3 || run.last - at < 3) continue;
             variant.grid.push_back({{correction.id + ".at_frame", static_cast<double>(at)}});
           }
+          for (int at = run.first + 3; at + 3 <= run.last; ++at)
+            variant.finer.push_back({{correction.id + ".at_frame", static_cast<double>(at)}});
           variant.corrections.push_back(std::move(correction));
           if (!variant.grid.empty()) variants.push_back(std::move(variant));
         }

@@ -16,7 +16,16 @@ Effect first_cycle_softening() {
                       {"cycle", "three cycles to two thirds"},
                       {"cycle", "three cycles to the full range"}}};
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
-    return memory_variants(model, excitation, "first_pull", "softening", "k", "strain_scale", {0.15, 0.5, 2.0}, 20.0);
+    std::vector<Variant> variants;
+    for (const double power : {1.0, 3.0}) {
+      auto along = memory_variants(model, excitation, "softening", "softening", "k", "strain_scale", {0.05, 0.25}, 2.0);
+      for (Variant& variant : along) {
+        variant.words += power > 1.0 ? ", growing with the cube of strain" : ", in proportion to strain";
+        for (model::Term& term : variant.append) set_parameter(term.law, "power", power, true);
+        variants.push_back(std::move(variant));
+      }
+    }
+    return variants;
   };
   effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
     if (!e.has_repeated_loading) return "no strain is loaded twice on one specimen";

@@ -15,18 +15,23 @@ Effect force_camera_delay() {
                      "A hold after a fast ramp, and a blank run with a spring of steel in the place of the specimen: a "
                      "delay does not relax and stays with the rig.",
                      {{"ramp", "as fast as the rig can"}, {"hold", "60 s"}, {"blank", "the same with a steel spring"}}};
-  effect.variants = [](const model::Model& model, const Excitation&) {
+  effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     for (const model::SensorCorrection& c : model.corrections)
       if (c.type == "delay") return variants;
     Variant variant;
     variant.words = "all channels of force";
-    variant.corrections.push_back(new_correction(model, "delay", ""));
+    model::SensorCorrection correction = new_correction(model, "delay", "");
+    // a clock that is off by more than a twentieth of a run would have been noticed
+    correction.parameters[0].lower = -0.05 * excitation.longest_s;
+    correction.parameters[0].upper = 0.05 * excitation.longest_s;
+    variant.corrections.push_back(std::move(correction));
     variants.push_back(std::move(variant));
     return variants;
   };
   effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
     if (!e.has_clock) return "no time was recorded";
+    if (!e.has_unloading && !e.splits_rate()) return "one rate and no way back: a delay looks like a bent curve";
     return std::nullopt;
   };
   return effect;

@@ -16,6 +16,24 @@ bool remember(const LawInput& in, LawOutput& out) {
   return grows;
 }
 
+/// Integral of x^n exp((x - m)/scale) from 0 to e, by Gauss-Legendre on eight intervals: smooth, no closed form for any n.
+double weighted_power_integral(double e, double n, double scale, double m) {
+  static constexpr double kNodes[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
+  static constexpr double kWeights[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+  constexpr int kIntervals = 8;
+  double sum = 0.0;
+  for (int i = 0; i < kIntervals; ++i) {
+    const double half = 0.5 * e / kIntervals;
+    const double centre = (2 * i + 1) * half;
+    for (int k = 0; k < 4; ++k)
+      for (const double side : {-1.0, 1.0}) {
+        const double x = centre + side * half * kNodes[k];
+        sum += kWeights[k] * half * std::pow(x, n) * std::exp((x - m) / scale);
+      }
+  }
+  return sum;
+}
+
 }  // namespace
 
 void PlasticSetLaw::evaluate(const LawInput& in, LawOutput& out) const {
@@ -38,26 +56,22 @@ void PlasticSetLaw::evaluate(const LawInput& in, LawOutput& out) const {
 }
 
 void SofteningLaw::evaluate(const LawInput& in, LawOutput& out) const {
-  const bool grows = remember(in, out);
+  if (remember(in, out)) return;  // a first loading loses nothing
   const double k = in.parameters[0];
   const double scale = in.parameters[1];
+  const double n = in.parameters[2];
   const double e = in.strain[0];
-  const double m = std::max(out.state[0], 0.0);
-  const double whole = std::exp(-m / scale);
-  out.stress[0] = k * e * whole;
-  const double by_m = -out.stress[0] / scale;
-  out.tangent[0][0] = k * whole + (grows && m > 0.0 ? by_m : 0.0);
-  out.stress_by_state[0][0] = grows || m <= 0.0 ? 0.0 : by_m;
-  out.stress_by_parameter[0][0] = e * whole;
-  out.stress_by_parameter[0][1] = out.stress[0] * m / (scale * scale);
-  if (!grows) {
-    out.energy = 0.5 * k * e * e * whole;
-    return;
-  }
-  // first loading: stored up to the old maximum, then the integral of k x exp(-x/scale)
-  const double m0 = std::max(in.state[0], 0.0);
-  const auto integral = [&](double x) { return -k * scale * (x + scale) * std::exp(-x / scale); };
-  out.energy = 0.5 * k * m0 * m0 * std::exp(-m0 / scale) + integral(m) - integral(m0);
+  if (e <= 0.0) return;
+  const double below = out.state[0] - e;
+  const double near = std::exp(-below / scale);
+  const double power = std::pow(e, n);
+  out.stress[0] = -k * power * (1.0 - near);
+  out.tangent[0][0] = -k * power * n / e * (1.0 - near) + k * power * near / scale;
+  out.stress_by_state[0][0] = -k * power * near / scale;
+  out.stress_by_parameter[0][0] = -power * (1.0 - near);
+  out.stress_by_parameter[0][1] = k * power * near * below / (scale * scale);
+  out.stress_by_parameter[0][2] = out.stress[0] * std::log(e);
+  out.energy = -k * std::pow(e, n + 1.0) / (n + 1.0) + k * weighted_power_integral(e, n, scale, out.state[0]);
 }
 
 }  // namespace tenter::mechanics

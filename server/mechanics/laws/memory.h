@@ -3,10 +3,11 @@
 //
 //   plastic_set  sigma = -c max(0, m - y): the rest length moves with each new maximum beyond the yield strain y, and
 //                nothing but a new maximum changes it; c (N/m), y = yield_strain
-//   softening    sigma = k eps exp(-m/e): a bundle of links that break for good as the strain first passes them, so
-//                that only a first loading feels them whole (Mullins); k (N/m), e = strain_scale
+//   softening    sigma = -k eps^n (1 - exp(-(m - eps)/e)): what the first loading had and no later one has (Mullins,
+//                settling); the loss grows with strain as its n-th power and ends within the strain e of the old
+//                maximum; k (N/m), e = strain_scale, n = power (fixed in fits)
 //
-// One strain. State: m.
+// One strain; a pull is a positive strain. State: m.
 #pragma once
 
 #include "server/mechanics/law.h"
@@ -21,7 +22,7 @@ class PlasticSetLaw final : public Law {
 
 class SofteningLaw final : public Law {
  public:
-  SofteningLaw() : Law(1, 2, 1) {}
+  SofteningLaw() : Law(1, 3, 1) {}
   void evaluate(const LawInput& in, LawOutput& out) const override;
 };
 

@@ -67,7 +67,7 @@ Expected<std::vector<std::string>> bring_captures(client::Client& client, const 
       if (interrupt.interrupted())
         return fail(ErrorKind::cancelled, "stopped while sending " + name +
                                               "; the same command goes on where it stopped");
-      return tl::unexpected(sent.error());
+      return tl::unexpected(about_file(name, sent.error()));
     }
     ids.push_back(sent->sha256);
   }

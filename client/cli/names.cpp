@@ -69,6 +69,13 @@ Expected<std::string> resolve_capture(client::Client& client, const std::string&
   return found.front();
 }
 
+Error about_file(const std::string& file, Error error) {
+  const bool named =
+      error.message.find(std::filesystem::path(file).filename().string()) != std::string::npos;
+  if (!named && error.kind == ErrorKind::bad_input) error.message = file + ": " + error.message;
+  return error;
+}
+
 Expected<std::string> read_input(const std::string& path, std::size_t max_bytes) {
   if (path != "-") return read_text_file(path, max_bytes);
   std::string text;

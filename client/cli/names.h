@@ -23,6 +23,9 @@ bool looks_like_hash(const std::string& name);
 /// A shipped model by name, or a model document by file ("-": standard input).
 Expected<model::Model> load_model(const std::string& name_or_file);
 
+/// An error about sending a file, naming the file.
+Error about_file(const std::string& file, Error error);
+
 /// A whole file as text ("-": standard input), at most `max_bytes`.
 Expected<std::string> read_input(const std::string& path, std::size_t max_bytes);
 

@@ -38,32 +38,42 @@ std::string cut(const std::string& text, int width) {
 }  // namespace
 
 std::string job_line(const client::JobUpdate& update, int width) {
-  std::string line =
+  std::string head =
       "job " + update.job_id + "  " + std::string(client::job_state_name(update.state));
-  const auto add = [&line](const std::string& more) { line += "  " + more; };
-  if (update.link == client::Link::lost) add("(server silent, waiting)");
-  if (update.state == client::JobState::running) {
-    if (update.attempt > 1) add("attempt " + std::to_string(update.attempt));
-    if (!update.stage.empty())
-      add(report::printable(update.stage + (update.detail.empty() ? "" : " " + update.detail)));
-    if (update.iteration >= 0) {
-      char numbers[80];
-      std::snprintf(numbers, sizeof numbers, "iteration %lld  cost %.4g",
-                    static_cast<long long>(update.iteration), update.cost);
-      add(numbers);
-    }
-    if (update.fraction >= 0.0) add(bar(update.fraction));
-    if (update.elapsed_s > 0.0) {
-      std::string times = seconds_words(update.elapsed_s);
-      if (update.fraction > 0.02 && update.fraction < 1.0 && update.elapsed_s > 1.0)
-        times += ", about " +
-                 seconds_words(update.elapsed_s * (1.0 - update.fraction) / update.fraction) +
-                 " left";
-      add(times);
-    }
+  if (update.link == client::Link::lost) head += "  (server silent, waiting)";
+  if (update.state != client::JobState::running)
+    return cut(update.message.empty() ? head : head + "  " + report::printable(update.message),
+               width);
+
+  if (update.attempt > 1) head += "  attempt " + std::to_string(update.attempt);
+  std::string stage =
+      report::printable(update.stage + (update.detail.empty() ? "" : " " + update.detail));
+  std::string solver;
+  if (update.iteration > 0) {
+    char numbers[80];
+    std::snprintf(numbers, sizeof numbers, "iteration %lld  cost %.4g",
+                  static_cast<long long>(update.iteration), update.cost);
+    solver = numbers;
   }
-  if (!update.message.empty()) add(report::printable(update.message));
-  return cut(line, width);
+  std::string times;
+  if (update.elapsed_s > 0.0) {
+    times = seconds_words(update.elapsed_s);
+    if (update.fraction > 0.02 && update.fraction < 1.0 && update.elapsed_s > 1.0)
+      times += ", about " +
+               seconds_words(update.elapsed_s * (1.0 - update.fraction) / update.fraction) +
+               " left";
+  }
+  std::string drawn = update.fraction >= 0.0 ? bar(update.fraction) : "";
+  const auto line = [&] {
+    std::string all = head;
+    for (const std::string* part : {&stage, &solver, &drawn, &times})
+      if (!part->empty()) all += "  " + *part;
+    return all;
+  };
+  // on a narrow terminal what moves least goes first
+  if (static_cast<int>(report::columns(line())) > width) stage = report::printable(update.stage);
+  if (static_cast<int>(report::columns(line())) > width) solver.clear();
+  return cut(line(), width);
 }
 
 ProgressDisplay::ProgressDisplay(std::ostream& out, bool terminal, int width)

@@ -7,10 +7,14 @@
 #include "client/cli/commands/capture.h"
 #include "client/cli/commands/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/names.h"
 #include "client/cli/output.h"
+#include "client/cli/scratch.h"
 #include "common/base/sha256.h"
 #include "common/capture/capture_file.h"
+#include "common/capture/csv_export.h"
 #include "common/capture/csv_import.h"
+#include "common/capture/show.h"
 
 namespace tenter::cli {
 
@@ -109,6 +113,85 @@ Expected<void> validate_captures(const Context& context, const std::vector<std::
   return {};
 }
 
+/// A file, or a capture of the server fetched into `scratch`; with the name that people know it by.
+Expected<std::filesystem::path> local_capture(const Context& context, const std::string& name,
+                                              const ScratchFolder& scratch) {
+  std::error_code ignored;
+  if (std::filesystem::exists(name, ignored)) return std::filesystem::path(name);
+  if (!looks_like_hash(name))
+    return fail(
+        ErrorKind::not_found,
+        name + ": there is no such file, and it is no capture's SHA-256 (6 digits of it or more)");
+  auto client = context.connect();
+  if (!client) return tl::unexpected(client.error());
+  const Expected<std::string> id = resolve_capture(*client, name);
+  if (!id) return tl::unexpected(id.error());
+  const std::filesystem::path file = scratch.path() / (id->substr(0, 12) + ".h5");
+  if (const auto fetched = client->download_capture(*id, file); !fetched)
+    return tl::unexpected(fetched.error());
+  return file;
+}
+
+Expected<void> show_capture(const Context& context, const std::string& name) {
+  const Expected<ScratchFolder> scratch = ScratchFolder::make();
+  if (!scratch) return tl::unexpected(scratch.error());
+  const Expected<std::filesystem::path> file = local_capture(context, name, *scratch);
+  if (!file) return tl::unexpected(file.error());
+  const Expected<capture::Capture> capture = capture::read_capture_guarded(file->string());
+  if (!capture) return tl::unexpected(capture.error());
+  const Expected<std::string> id = sha256_file(*file);
+  if (!id) return tl::unexpected(id.error());
+  if (context.json) {
+    Json shown = {{"id", *id}};
+    shown.update(capture::show_json(*capture));
+    print_json(shown);
+  } else {
+    print_text(capture::show_text(*capture));
+  }
+  return {};
+}
+
+struct Export {
+  std::string name;
+  std::string output;
+  std::string describe;
+  bool force = false;
+};
+
+/// An export never writes over the CSV that a capture was made of.
+Expected<void> export_capture(const Context& context, const Export& order) {
+  namespace fs = std::filesystem;
+  const Expected<ScratchFolder> scratch = ScratchFolder::make();
+  if (!scratch) return tl::unexpected(scratch.error());
+  const Expected<fs::path> file = local_capture(context, order.name, *scratch);
+  if (!file) return tl::unexpected(file.error());
+  const Expected<capture::Capture> capture = capture::read_capture_guarded(file->string());
+  if (!capture) return tl::unexpected(capture.error());
+  if (order.output == "-") {
+    print_text(capture::export_csv(*capture).csv);
+    return {};
+  }
+  const fs::path source = fs::exists(order.name) ? fs::path(order.name) : file->filename();
+  const fs::path csv =
+      order.output.empty() ? fs::path(source).replace_extension(".csv") : fs::path(order.output);
+  const fs::path describe =
+      order.describe.empty() ? fs::path(csv).replace_extension(".json") : fs::path(order.describe);
+  for (const fs::path& target : {csv, describe}) {
+    std::error_code ignored;
+    if (!order.force && fs::exists(target, ignored))
+      return fail(ErrorKind::refused, target.string() + ": exists; --force replaces it");
+  }
+  if (auto written = capture::write_csv_export(*capture, csv.string(), describe.string()); !written)
+    return written;
+  if (context.json)
+    print_json({{"csv", csv.string()},
+                {"describe", describe.string()},
+                {"frames", capture->frame_count()}});
+  else
+    print_text(csv.string() + " and " + describe.string() + " written\n");
+  return {};
+}
+
 void add_import(CLI::App& group, Context& context) {
   CLI::App* command =
       group.add_subcommand("import", "make a capture of a CSV file and its description");
@@ -149,11 +232,56 @@ void add_validate(CLI::App& group, Context& context) {
   });
 }
 
+void add_show(CLI::App& group, Context& context) {
+  CLI::App* command = group.add_subcommand("show", "show what a capture holds");
+  command->footer(
+      "Specimen, protocol, runs, channels with their units, noise and ranges, and where the "
+      "numbers come from.\n"
+      "EXAMPLES\n    tenter capture show pull.h5\n    tenter --json capture show 3fa9c1\n");
+  auto name = std::make_shared<std::string>();
+  command
+      ->add_option("CAPTURE", *name,
+                   "A capture file (.h5), or the SHA-256 (6 digits or more) of one on the server.")
+      ->required();
+  command->callback([&context, name] {
+    context.command = [&context, name] { return show_capture(context, *name); };
+  });
+}
+
+void add_export(CLI::App& group, Context& context) {
+  CLI::App* command = group.add_subcommand(
+      "export", "write a capture as CSV and the description that imports it again");
+  command->footer(
+      "Values are SI in their shortest exact form; import gives the same capture back, bit for "
+      "bit.\n"
+      "EXAMPLES\n    tenter capture export pull.h5 -o again.csv\n    tenter capture export 3fa9c1 "
+      "-o -\n");
+  auto order = std::make_shared<Export>();
+  command
+      ->add_option("CAPTURE", order->name,
+                   "A capture file (.h5), or the SHA-256 (6 digits or more) of one on the server.")
+      ->required();
+  command
+      ->add_option("-o,--output", order->output,
+                   "The CSV file; - is standard output. Default: CAPTURE with .csv.")
+      ->type_name("FILE");
+  command
+      ->add_option("--describe", order->describe,
+                   "The description (JSON). Default: the CSV file with .json.")
+      ->type_name("FILE");
+  command->add_flag("--force", order->force, "Replace files that are there.");
+  command->callback([&context, order] {
+    context.command = [&context, order] { return export_capture(context, *order); };
+  });
+}
+
 }  // namespace
 
 void add_capture_files(CLI::App& group, Context& context) {
   add_import(group, context);
   add_validate(group, context);
+  add_show(group, context);
+  add_export(group, context);
 }
 
 void add_capture(CLI::App& app, Context& context) {

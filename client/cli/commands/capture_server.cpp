@@ -36,7 +36,7 @@ Expected<void> submit_captures(Context& context, const std::vector<std::string>&
       if (interrupt.interrupted())
         return fail(ErrorKind::cancelled, "stopped while sending " + file +
                                               "; the same command goes on where it stopped");
-      return tl::unexpected(upload.error());
+      return tl::unexpected(about_file(file, upload.error()));
     }
     Json entry = {{"file", file},
                   {"id", upload->sha256},

@@ -10,29 +10,40 @@ namespace tenter::cli {
 
 namespace {
 
+Json member(const Json& object, const char* key) {
+  return object.is_object() ? object.value(key, Json::object()) : Json::object();
+}
+
+double number(const Json& object, const char* key) {
+  const Json value = object.is_object() ? object.value(key, Json()) : Json();
+  return value.is_number() ? value.get<double>() : 0.0;
+}
+
 std::string status_text(const Json& status) {
   Table table({"", ""});
   const auto row = [&](const char* name, const std::string& value) { table.add({name, value}); };
-  row("server", cell(status, "server"));
-  row("version", cell(status, "version"));
-  if (status.contains("uptime_s") && status["uptime_s"].is_number())
-    row("up for", seconds_words(status["uptime_s"].get<double>()));
-  row("store", cell(status, "store"));
-  if (status.contains("jobs") && status["jobs"].is_object()) {
-    std::string jobs;
-    for (const auto& [state, count] : status["jobs"].items())
-      jobs += (jobs.empty() ? "" : ", ") + count.dump() + " " + state;
-    row("jobs", jobs);
+  const Json server = member(status, "server");
+  const Json store = member(status, "store");
+  const Json workers = member(status, "workers");
+  const std::string name = cell(server, "name");
+  row("server", "tenterd " + cell(server, "software") +
+                    (name.empty() || name == "-" ? "" : " '" + name + "'") + ", DDS domain " +
+                    cell(server, "domain") + ", up for " +
+                    seconds_words(number(server, "uptime_s")));
+  row("store", cell(store, "path") + ", " + cell(store, "captures") + " captures of " +
+                   bytes_words(number(store, "capture_bytes")) + ", " +
+                   bytes_words(number(store, "disk_free_bytes")) + " free");
+  std::string jobs;
+  for (const char* state : {"queued", "running", "succeeded", "failed", "cancelled"})
+    jobs += (jobs.empty() ? "" : ", ") + cell(member(status, "jobs"), state) + " " + state;
+  row("jobs", jobs);
+  row("workers", cell(workers, "busy") + " of " + cell(workers, "slots") + " busy");
+  std::string clients;
+  for (const Json& client : status.value("clients", Json::array())) {
+    const std::string who = cell(client, "user") + " (" + cell(client, "name") + ")";
+    if (clients.find(who) == std::string::npos) clients += (clients.empty() ? "" : ", ") + who;
   }
-  row("workers", cell(status, "workers"));
-  row("captures", cell(status, "captures"));
-  if (status.contains("clients") && status["clients"].is_array()) {
-    std::string clients;
-    for (const Json& client : status["clients"])
-      clients += (clients.empty() ? "" : ", ") +
-                 (client.is_object() ? cell(client, "user") : std::string("?"));
-    row("clients", clients.empty() ? "none" : clients);
-  }
+  row("clients", clients.empty() ? "none" : clients);
   const std::string text = table.text();
   return text.substr(text.find('\n') + 1);  // without the empty head
 }

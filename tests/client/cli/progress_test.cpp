@@ -31,6 +31,9 @@ TEST(JobLine, SaysStageIterationCostAndTimeLeft) {
                             "25 %", "10 s, about 30 s left"})
     EXPECT_NE(line.find(words), std::string::npos) << words << " in " << line;
   EXPECT_LE(job_line(running("refit", 0.25, 10.0), 40).size(), 40u);
+  const std::string narrow = job_line(running("refit", 0.25, 10.0), 79);
+  EXPECT_LE(narrow.size(), 79u);
+  EXPECT_NE(narrow.find("about 30 s left"), std::string::npos) << narrow;
 }
 
 TEST(JobLine, DoesNotClaimWhatIsNotKnown) {
@@ -42,6 +45,7 @@ TEST(JobLine, DoesNotClaimWhatIsNotKnown) {
   EXPECT_EQ(line.find("left"), std::string::npos);
   update.link = client::Link::lost;
   EXPECT_NE(job_line(update, 200).find("silent"), std::string::npos);
+  update.state = JobState::failed;
   update.message = "\x1b[2Jhello";
   EXPECT_EQ(job_line(update, 200).find('\x1b'), std::string::npos);
 }

@@ -66,6 +66,8 @@ void obey(JobService& service, std::istringstream words, std::atomic<int>& worke
     const int pid = worker.exchange(0);
     if (pid != 0) ::kill(pid, SIGKILL);
     reply("killed " + std::to_string(pid));
+  } else if (command == "worker") {
+    reply("worker " + std::to_string(worker));
   } else if (command == "drain") {
     while (true) {
       const auto numbers = MUST(service.status()).queue;

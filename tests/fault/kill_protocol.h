@@ -5,6 +5,7 @@
 //   submit REQUEST NONCE SLEEP_MS   -> submitted REQUEST JOB         (or: error ...)
 //   upload SEED SIZE                -> uploaded SHA256
 //   kill_worker                     -> killed PID                    (0: none was running)
+//   worker                          -> worker PID                    (0: none is running)
 //   drain                           -> drained                       once nothing is queued or
 //   running dump                            -> job JOB STATE SPEC RESULT ATTEMPT ..., capture
 //   SHA256 ..., end

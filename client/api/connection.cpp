@@ -14,8 +14,16 @@ namespace v1 = wire::v1;
 namespace {
 
 constexpr auto kPresenceEvery = std::chrono::seconds(2);
-constexpr std::chrono::seconds kResend[] = {std::chrono::seconds(1), std::chrono::seconds(2),
-                                            std::chrono::seconds(4)};
+constexpr std::chrono::milliseconds kResend[] = {std::chrono::seconds(1), std::chrono::seconds(2),
+                                                 std::chrono::seconds(4)};
+// Both sides match in their own time: what arrives at an endpoint that has not matched its sender
+// yet is lost. So until the first reply of this server, a request is sent again much sooner.
+constexpr auto kFirstResend = std::chrono::milliseconds(15);
+
+std::chrono::milliseconds pause_after(std::size_t sent, bool proven) {
+  if (proven) return kResend[std::min<std::size_t>(sent, std::size(kResend) - 1)];
+  return std::min(kFirstResend * (1 << std::min<std::size_t>(sent, 8)), kResend[0]);
+}
 
 std::string seconds_text(std::chrono::milliseconds time) {
   std::string text = std::to_string(static_cast<double>(time.count()) / 1000.0);
@@ -64,10 +72,13 @@ Expected<void> Connection::join() {
   place.on_peer = [this](const wire::PeerInfo& info, bool came) {
     std::lock_guard lock(mutex_);
     if (info.role != wire::Role::server) return;
-    if (came)
-      peers_[info.peer] = info;
-    else
+    if (came && peers_.emplace(info.peer, info).second) {
+      const auto id = wire::parse_uuid(info.server_id);
+      if (id && info.wire_major == v1::WIRE_MAJOR)
+        meet({info.peer, *id, info.epoch, info.name, info.software, true});
+    } else if (!came) {
       peers_.erase(info.peer);
+    }
   };
   auto participant = wire::Participant::create(std::move(place));
   if (!participant) return tl::unexpected(participant.error());
@@ -93,10 +104,10 @@ Expected<void> Connection::join() {
   announcements_ = std::make_unique<wire::Reader<v1::Server>>(*participant_, wire::server_topic(),
                                                               std::move(on_server));
   participant_->loop().run([this] {  // so that no match is handled before the writer has its name
-    presence_ = std::make_unique<wire::Writer<v1::Presence>>(
-        *participant_, wire::presence_topic(), [this](const wire::Peer&, bool came) {
-          if (came) announce();
-        });
+    presence_ = std::make_unique<wire::Writer<v1::Presence>>(*participant_, wire::presence_topic(),
+                                                             [this](const wire::Peer&, bool came) {
+                                                               if (came) announce();
+                                                             });
   });
   timer_ = participant_->loop().every(kPresenceEvery, [this] { announce(); });
   return {};
@@ -111,15 +122,19 @@ void Connection::announce() {
   (void)presence_->write(sample);  // said again in two seconds
 }
 
-void Connection::take(v1::Server& sample, const wire::Peer& peer) {
-  std::lock_guard lock(mutex_);
-  ServerView& view = servers_[sample.server_id()];
-  if (view.alive && sample.header().epoch() < view.epoch) return;  // the one before it, late
-  view = {peer,          sample.server_id(), sample.header().epoch(),
-          sample.name(), sample.software(),  true};
+// A server is known by the announcement of its participant, before any of its topics has matched.
+void Connection::meet(const ServerView& server) {
+  ServerView& view = servers_[server.id];
+  if (server.epoch < view.epoch) return;  // the one before it, late
+  view = server;
   const bool wanted = options_.server.empty() || options_.server == view.name;
   if (!chosen_ && wanted) chosen_ = view.id;
   changed_.notify_all();
+}
+
+void Connection::take(v1::Server& sample, const wire::Peer& peer) {
+  std::lock_guard lock(mutex_);
+  meet({peer, sample.server_id(), sample.header().epoch(), sample.name(), sample.software(), true});
 }
 
 void Connection::set_alive(const wire::Peer& peer, bool alive) {
@@ -132,6 +147,7 @@ void Connection::set_alive(const wire::Peer& peer, bool alive) {
 void Connection::take(v1::Reply& sample) {
   if (sample.client_id() != client_id_) return;
   std::lock_guard lock(mutex_);
+  proven_epoch_ = sample.header().epoch();
   const auto found = pending_.find(sample.request_id());
   if (found == pending_.end() || found->second.done) return;
   Pending& pending = found->second;
@@ -223,7 +239,7 @@ Expected<std::string> Connection::request(std::string_view operation, const std:
       lock.unlock();
       auto written = requests_->write(sample);
       lock.lock();
-      resend = Clock::now() + kResend[std::min<std::size_t>(sent, std::size(kResend) - 1)];
+      resend = Clock::now() + pause_after(sent, proven_epoch_ == sent_epoch);
       ++sent;
       if (!written) {
         pending_.erase(sample.request_id());

@@ -61,6 +61,7 @@ class Connection {
 
   explicit Connection(ClientOptions options);
   Expected<void> join();
+  void meet(const ServerView& server);  ///< with mutex_
   void take(wire::v1::Server& sample, const wire::Peer& peer);
   void take(wire::v1::Reply& sample);
   void set_alive(const wire::Peer& peer, bool alive);
@@ -77,6 +78,7 @@ class Connection {
   std::map<wire::Peer, wire::PeerInfo> peers_;  ///< server participants, of any version
   std::optional<wire::Uuid> chosen_;
   std::map<wire::Uuid, Pending> pending_;
+  std::uint64_t proven_epoch_ = 0;  ///< of the server that answered last
 
   std::unique_ptr<wire::Participant> participant_;
   std::unique_ptr<wire::Writer<wire::v1::Presence>> presence_;

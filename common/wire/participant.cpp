@@ -160,28 +160,38 @@ Expected<void> complete_from_environment(ParticipantOptions& options) {
   return {};
 }
 
-std::string describe(const ParticipantOptions& options) {
-  return std::string(kMark) + (options.role == Role::server ? "\nserver\n" : "\nclient\n") +
-         std::to_string(options.wire_major) + '\n' + options.name + '\n' + options.software;
+// mark, role, major version, name, software, server, epoch; the last field only makes each
+// announcement new.
+std::string describe(const ParticipantOptions& options, std::uint32_t announcement) {
+  std::string text = kMark;
+  for (const std::string& field :
+       {std::string(options.role == Role::server ? "server" : "client"),
+        std::to_string(options.wire_major), options.name, options.software, options.server_id,
+        std::to_string(options.epoch), std::to_string(announcement)})
+    text += '\n' + field;
+  return text;
 }
 
 bool understand(const std::string& text, PeerInfo& info) {
-  const std::vector<std::string> parts = [&] {
-    std::vector<std::string> fields(1);
-    for (char c : text) {
-      if (c == '\n')
-        fields.emplace_back();
-      else
-        fields.back() += c;
-    }
-    return fields;
-  }();
-  if (parts.size() != 5 || parts[0] != kMark) return false;
-  info.role = parts[1] == "server" ? Role::server : Role::client;
-  info.wire_major = std::atoi(parts[2].c_str());
-  info.name = parts[3].substr(0, 64);
-  info.software = parts[4].substr(0, 64);
+  std::vector<std::string> fields(1);
+  for (char c : text) {
+    if (c == '\n')
+      fields.emplace_back();
+    else
+      fields.back() += c;
+  }
+  if (fields.size() != 8 || fields[0] != kMark) return false;
+  info.role = fields[1] == "server" ? Role::server : Role::client;
+  info.wire_major = std::atoi(fields[2].c_str());
+  info.name = fields[3].substr(0, 64);
+  info.software = fields[4].substr(0, 64);
+  info.server_id = fields[5].substr(0, 32);
+  info.epoch = std::strtoull(fields[6].c_str(), nullptr, 10);
   return true;
+}
+
+void set_description(dds::DomainParticipantQos& qos, const std::string& text) {
+  qos.user_data().data_vec({text.begin(), text.end()});
 }
 
 }  // namespace
@@ -232,6 +242,11 @@ void Participant::Impl::release_topic(dds::Topic* topic) {
 void Participant::Impl::on_participant_discovery(dds::DomainParticipant*,
                                                  rtps::ParticipantDiscoveryInfo&& found) {
   using Info = rtps::ParticipantDiscoveryInfo;
+  // A participant that starts up announces itself just before it begins to listen, so the answer to
+  // its first announcement may be lost; without these it would wait for the next periodic one.
+  if (options_.role == Role::server && found.status == Info::DISCOVERED_PARTICIPANT)
+    for (const int ms : {3, 30, 150})
+      loop_->after(std::chrono::milliseconds(ms), [this] { announce_again(); });
   if (!options_.on_peer) return;
   const bool came =
       found.status == Info::DISCOVERED_PARTICIPANT || found.status == Info::CHANGED_QOS_PARTICIPANT;
@@ -250,6 +265,12 @@ void Participant::Impl::on_publisher_discovery(dds::DomainParticipant*,
   loop_->post([this, topic] { options_.on_remote_writer(topic); });
 }
 
+void Participant::Impl::announce_again() {
+  dds::DomainParticipantQos qos = participant_->get_qos();
+  set_description(qos, describe(options_, ++announcements_));
+  participant_->set_qos(qos);
+}
+
 Participant::Participant() = default;
 Participant::~Participant() = default;
 
@@ -264,8 +285,7 @@ Expected<std::unique_ptr<Participant>> Participant::create(ParticipantOptions op
 
   dds::DomainParticipantQos qos;
   qos.name(options.role == Role::server ? "tenterd" : "tenter");
-  const std::string description = describe(options);
-  qos.user_data().data_vec({description.begin(), description.end()});
+  set_description(qos, describe(options, 0));
   add_transport(qos, options);
   add_discovery(qos, options);
   if (!options.security.empty())

@@ -42,6 +42,8 @@ struct PeerInfo {
   int wire_major = 0;
   std::string name;
   std::string software;
+  std::string server_id;    ///< of a server: 32 hex digits
+  std::uint64_t epoch = 0;  ///< of a server
 };
 
 struct ParticipantOptions {
@@ -49,12 +51,14 @@ struct ParticipantOptions {
   Role role = Role::client;
   std::string name;
   std::string software;
+  std::string server_id;
+  std::uint64_t epoch = 0;
   int wire_major = 1;                   ///< a test sets another
   std::vector<std::string> interfaces;  ///< empty: the environment's, else 127.0.0.1
   std::string security;                 ///< folder; "": the environment's, else none
   int lost_percent = 0;  ///< for tests: datagrams to drop; 0: $TENTER_DDS_LOST_PERCENT
 
-  /// Loop thread: a Tenter participant came (true) or went (false).
+  /// Loop thread: a Tenter participant came (true, may be said again) or went (false).
   std::function<void(const PeerInfo&, bool)> on_peer;
   /// Loop thread: some participant has a writer on this topic now.
   std::function<void(const std::string&)> on_remote_writer;

@@ -30,6 +30,9 @@ class Participant::Impl : public eprosima::fastdds::dds::DomainParticipantListen
   void on_publisher_discovery(eprosima::fastdds::dds::DomainParticipant*,
                               eprosima::fastrtps::rtps::WriterDiscoveryInfo&& found) override;
 
+  /// Loop thread. Sends the announcement of this participant once more.
+  void announce_again();
+
   ParticipantOptions options_;
   std::unique_ptr<Loop> loop_;
   eprosima::fastdds::dds::DomainParticipant* participant_ = nullptr;
@@ -39,6 +42,7 @@ class Participant::Impl : public eprosima::fastdds::dds::DomainParticipantListen
  private:
   std::mutex mutex_;
   std::map<eprosima::fastdds::dds::Topic*, int> topic_users_;
+  std::uint32_t announcements_ = 0;
 };
 
 Peer peer_of(const eprosima::fastrtps::rtps::GuidPrefix_t& prefix);

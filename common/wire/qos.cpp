@@ -59,7 +59,9 @@ dds::DataReaderQos reader_qos(const Topic& topic) {
   dds::DataReaderQos qos;
   common(qos, topic);
   if (topic.lifespan.count() > 0) qos.lifespan().duration = duration(topic.lifespan);
-  qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(milliseconds(1));
+  auto& times = qos.reliable_reader_qos().times;
+  times.heartbeatResponseDelay = duration(milliseconds(1));
+  times.initialAcknackDelay = duration(milliseconds(2));
   return qos;
 }
 

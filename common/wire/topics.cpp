@@ -82,8 +82,8 @@ Topic chunk_down_topic(std::string_view user, const Uuid& transfer) {
 
 Topic chunk_ack_topic(std::string_view user) {
   return {.name = named("chunk_ack/", user),
-          .depth = 4,
-          .max_instances = kMaxTransfers,
+          .transient_local = true,
+          .max_instances = 2 * kMaxTransfers,
           .lifespan = milliseconds(30000)};
 }
 

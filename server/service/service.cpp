@@ -63,6 +63,8 @@ class Service::Impl {
     place.role = wire::Role::server;
     place.name = options_.name;
     place.software = options_.software;
+    place.server_id = wire::to_text(wire::uuid_of(jobs_.server_id()));
+    place.epoch = static_cast<std::uint64_t>(jobs_.server_epoch());
     place.interfaces = options_.interfaces;
     place.on_remote_writer = [this](const std::string& topic) {
       // discovery may be faster than the rest of this function

@@ -135,11 +135,13 @@ Expected<json> UploadEndpoint::open(const Caller& caller, const json& body) {
     std::lock_guard lock(mutex_);
     transfers_.try_emplace(id, transfer);
   }
-  std::uint64_t written = 0;
+  const auto written =
+      static_cast<std::uint64_t>(std::count(state->present.begin(), state->present.end(), true));
   {
     std::lock_guard inner(transfer->mutex);
-    written = transfer->written;
+    transfer->written = std::max(transfer->written, written);
   }
+  acknowledge(*transfer, 0, "");  // takes the place of an older one that said it failed
   return json{{"already_stored", false},
               {"transfer", wire::to_text(id)},
               {"chunk_bytes", state->chunk_bytes},

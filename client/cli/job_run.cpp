@@ -144,6 +144,8 @@ Expected<void> run_job(Context& context, const JobRun& run) {
   const Expected<std::vector<std::string>> captures =
       bring_captures(*client, context, run.captures, interrupt);
   if (!captures) return tl::unexpected(captures.error());
+  if (interrupt.interrupted())
+    return fail(ErrorKind::cancelled, "stopped before the job was submitted");
   const Expected<std::string> spec = specification(run, *captures, *model);
   if (!spec) return tl::unexpected(spec.error());
   const Expected<client::SubmitResult> job = submit_job(*client, *spec, run.submit);

@@ -100,6 +100,11 @@ void ProgressDisplay::show_transfer(const std::string& what,
     transfer_ = what;
     transfer_start_ = now;
     bytes_before_ = done;
+    // a short transfer is not worth a line
+    if (!terminal_) {
+      last_milestone_ = "transfer/" + what;
+      last_ = now;
+    }
   }
   std::string line = what + "  " + bar(total > 0.0 ? done / total : 1.0) + "  " +
                      bytes_words(done) + " of " + bytes_words(total);

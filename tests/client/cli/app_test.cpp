@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +15,7 @@
 #include "client/cli/job_run.h"
 #include "common/model/document.h"
 #include "common/model/presets.h"
+#include "common/report/residual_file.h"
 
 namespace tenter::cli {
 namespace {
@@ -172,6 +174,112 @@ TEST(ReportCommand, MakesThePageOfAKeptResult) {
   EXPECT_EQ(Json::parse(call({"--json", "report", result.c_str()}).out)["error_after"], 0.05);
   const std::string other = folder.write("other.json", "{}");
   EXPECT_EQ(call({"report", other.c_str()}).code, 2);
+}
+
+TEST(CaptureCommands, ImportValidateShowAndExportWithoutAServer) {
+  const Folder folder;
+  const std::string csv = TENTER_TEST_DATA "/knit/acrylic_rib_x.csv";
+  const std::string describe = TENTER_TEST_DATA "/knit/acrylic_rib_x.json";
+  const std::string file = folder.file("pull.h5");
+  const Outcome imported = call({"--json", "capture", "import", csv.c_str(), "--describe",
+                                 describe.c_str(), "-o", file.c_str()});
+  ASSERT_EQ(imported.code, 0) << imported.out;
+  const Json capture = Json::parse(imported.out);
+  EXPECT_EQ(capture["id"].get<std::string>().size(), 64u);
+  EXPECT_GT(capture["frames"], 100);
+
+  EXPECT_EQ(
+      Json::parse(call({"--json", "capture", "validate", file.c_str()}).out)["captures"][0]["id"],
+      capture["id"]);
+  EXPECT_EQ(Json::parse(call({"--json", "capture", "show", file.c_str()}).out)["title"],
+            capture["title"]);
+  EXPECT_NE(call({"capture", "show", file.c_str()}).out.find("channels"), std::string::npos);
+
+  const std::string again_csv = folder.file("again.csv");
+  EXPECT_EQ(call({"capture", "export", file.c_str(), "-o", again_csv.c_str()}).code, 0);
+  EXPECT_EQ(call({"capture", "export", file.c_str(), "-o", again_csv.c_str()}).code, 4);
+  const std::string again_json = folder.file("again.json");
+  const std::string again = folder.file("again.h5");
+  const Outcome back = call({"--json", "capture", "import", again_csv.c_str(), "--describe",
+                             again_json.c_str(), "-o", again.c_str()});
+  EXPECT_EQ(Json::parse(back.out)["id"], capture["id"]);
+
+  // something else under the same name stays as it is
+  folder.write("again.h5", "mine");
+  EXPECT_EQ(
+      call({"capture", "import", csv.c_str(), "--describe", describe.c_str(), "-o", again.c_str()})
+          .code,
+      4);
+  EXPECT_EQ(std::filesystem::file_size(again), 4u);
+  EXPECT_EQ(call({"capture", "import", csv.c_str(), "--describe", describe.c_str(), "-o",
+                  again.c_str(), "--force"})
+                .code,
+            0);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("again.h5.importing")));
+}
+
+TEST(CaptureCommands, BadInputLeavesNothingBehind) {
+  const Folder folder;
+  const std::string csv = folder.write("bad.csv", "t,f\n0,1\n1,oops\n");
+  const std::string describe = folder.write("bad.json", "{}");
+  const std::string file = folder.file("bad.h5");
+  const Outcome outcome =
+      call({"capture", "import", csv.c_str(), "--describe", describe.c_str(), "-o", file.c_str()});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.err.find("bad.json"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_EQ(call({"capture", "import", "nowhere.csv", "--describe", "nowhere.json"}).code, 3);
+  const std::string text = folder.write("text.h5", "not HDF5");
+  EXPECT_EQ(call({"capture", "validate", text.c_str()}).code, 2);
+  EXPECT_EQ(call({"capture", "show", text.c_str()}).code, 2);
+}
+
+TEST(ResidualsCommand, QueriesAKeptFileInThreeFormats) {
+  const Folder folder;
+  report::ResidualTable table;
+  table.capture_id = std::string(64, 'a');
+  table.capture_title = "pull, \"one\"";
+  table.channel = "force";
+  table.unit = "N/m";
+  for (int i = 0; i < 6; ++i) {
+    table.frame.push_back(10 + i);
+    table.run.push_back(1);
+    table.block.push_back(i / 3);
+    table.branch.push_back(i / 3);
+    table.strain_x.push_back(0.1 * i);
+    table.strain_y.push_back(std::nan(""));
+    table.strain_xy.push_back(0.0);
+    table.measured.push_back(i == 4 ? std::nan("") : 2.0 * i);
+    table.predicted_baseline.push_back(1.5 * i);
+    table.predicted_extended.push_back(1.75 * i);
+    table.sigma.push_back(0.1);
+    table.weight.push_back(1.0);
+  }
+  const std::string file = folder.file("residuals.h5");
+  ASSERT_TRUE(report::write_residuals({table}, file));
+
+  const Outcome csv = call({"residuals", file.c_str(), "--format", "csv"});
+  EXPECT_EQ(csv.code, 0) << csv.err;
+  EXPECT_EQ(csv.out.substr(0, csv.out.find('\n')),
+            "capture,title,channel,unit,run,block,branch,frame,time_s,strain_x,strain_y,strain_xy,"
+            "measured,baseline,"
+            "extended,residual_baseline,residual_extended,sigma,weight");
+  EXPECT_NE(csv.out.find(
+                ",\"pull, "
+                "\"\"one\"\"\",\"force\",\"N/m\",1,0,load,11,,0.1,,0,2,1.5,1.75,0.5,0.25,0.1,1\n"),
+            std::string::npos)
+      << csv.out;
+
+  const Json json =
+      Json::parse(call({"residuals", file.c_str(), "--frames", "12:14", "--json"}).out);
+  const Json rows = json["tables"][0]["rows"];
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0]["frame"], 12);
+  EXPECT_TRUE(rows[2]["measured"].is_null());
+
+  EXPECT_NE(call({"residuals", file.c_str(), "--block", "1"}).out.find("unload"),
+            std::string::npos);
+  EXPECT_EQ(call({"residuals", file.c_str(), "--channel", "torque"}).code, 3);
 }
 
 }  // namespace

@@ -91,5 +91,17 @@ TEST(ProgressDisplay, TransfersShowBytesRateAndWhatWasThere) {
     EXPECT_NE(out.str().find(words), std::string::npos) << words << " in " << out.str();
 }
 
+TEST(ProgressDisplay, AShortTransferIsNotWorthALineOffTheTerminal) {
+  std::ostringstream out;
+  ProgressDisplay display(out, false, 120);
+  const auto start = ProgressDisplay::Clock::now();
+  display.show_transfer("sending pull.h5", {0, 1000, 0}, start);
+  display.show_transfer("sending pull.h5", {1000, 1000, 0}, start + std::chrono::seconds(2));
+  EXPECT_EQ(out.str(), "");
+  display.show_transfer("sending more.h5", {0, 1000, 0}, start + std::chrono::seconds(3));
+  display.show_transfer("sending more.h5", {500, 1000, 0}, start + std::chrono::seconds(14));
+  EXPECT_NE(out.str().find("50 %"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace tenter::cli

@@ -43,11 +43,12 @@ class Comparison {
   }
   /// `smallest_scale`: what the oracle's largest value must exceed; 0 where the quantity may vanish
   /// altogether.
-  void judge(double relative = 1e-6, double smallest_scale = 1e-9) const {
+  /// `rounding`: what the oracle itself may be wrong by.
+  void judge(double relative = 1e-6, double smallest_scale = 1e-9, double rounding = 0.0) const {
     EXPECT_TRUE(finite_) << what_;
     EXPECT_TRUE(scale_ > smallest_scale || smallest_scale == 0.0)
         << what_ << ": nothing was compared";
-    EXPECT_LE(worst_, tolerance(relative) * std::max(scale_, smallest_scale)) << what_;
+    EXPECT_LE(worst_, tolerance(relative * std::max(scale_, smallest_scale) + rounding)) << what_;
   }
   double scale() const { return scale_; }
 

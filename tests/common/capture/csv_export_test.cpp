@@ -28,7 +28,7 @@ TEST(CsvExport, ImportsAgainToTheSameCapture) {
 TEST(CsvExport, ShippedCapturesComeBackTheSame) {
   const std::string data = TENTER_TEST_DATA "/knit/";
   for (const std::string name :
-       {"acrylic_stockinette_y", "cotton_stockinette_x", "acrylic_rib_x"}) {
+       {"acrylic_stockinette_y", "cotton_stockinette_x", "acrylic_rib_x", "acrylic_rib_y"}) {
     const auto capture = import_csv(data + name + ".csv", data + name + ".json");
     ASSERT_TRUE(capture) << message_of(capture);
     EXPECT_EQ(capture->runs.size(), 5U);

@@ -30,6 +30,14 @@ bool is_identifier(const std::string& text) {
   return true;
 }
 
+/// Names are for people: any text of one line.
+bool is_one_line(const std::string& text) {
+  if (text.empty() || text.size() > 200) return false;
+  for (const char c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return false;
+  return true;
+}
+
 constexpr const char* kIdentifierRule = "must be 1 to 128 letters, digits, '_', '-' or '.'";
 
 Expected<void> check_bounds(const Parameter& parameter, const ParameterRow& row,
@@ -158,7 +166,8 @@ Expected<void> check_correction(const SensorCorrection& correction, const std::s
 }  // namespace
 
 Expected<void> validate(const Model& model) {
-  if (!is_identifier(model.name)) return bad_input(std::string("name: ") + kIdentifierRule);
+  if (!is_one_line(model.name))
+    return bad_input("name: must be 1 to 200 bytes of text without line feeds");
   if (model.terms.empty()) return bad_input("terms: a model needs at least one term");
 
   std::set<std::string> ids;

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "common/report/html_text.h"
+#include "common/report/summary.h"
 #include "common/report/svg_plot.h"
 #include "common/report/words.h"
 
@@ -41,7 +42,9 @@ struct Key {
   std::string words;
 };
 
-Key key_of(const std::string& role, bool loop, bool residual, bool unloading) {
+Key key_of(const std::string& role, bool loop, bool residual, bool unloading, bool extended) {
+  if (role == "baseline" && !extended)
+    return {"baseline", residual ? "left by the model" : "model"};
   if (role == "baseline") return {"baseline", residual ? "left by the baseline" : "baseline model"};
   if (role == "extended")
     return {"extended", residual ? "left by the extended model" : "extended model"};
@@ -78,8 +81,9 @@ std::string legend_swatch(const std::string& css_class, PlotSeries::Mark mark) {
          "</svg>";
 }
 
-/// `heading` is HTML: the capture that the figure is of.
-std::string figure_html(const Json& figure, const std::string& heading) {
+/// `heading` is HTML: the capture that the figure is of. Without an extended model the baseline is
+/// "the model".
+std::string figure_html(const Json& figure, const std::string& heading, bool extended) {
   const std::string kind = text(figure, "kind");
   const bool residual = kind.rfind("residual", 0) == 0;
   Plot plot;
@@ -97,11 +101,12 @@ std::string figure_html(const Json& figure, const std::string& heading) {
   for (const char* role : {"measured", "baseline", "extended", "outlier"}) {
     for (const Json& entry : list(figure, "series")) {
       if (text(entry, "role") != role) continue;
+      if (!extended && std::string(role) == "extended") continue;
       PlotSeries series;
       series.x = numbers(entry, "x");
       series.y = numbers(entry, "y");
       const bool unloading = kind == "loop" && is_unloading(entry, series.x);
-      const Key key = key_of(role, kind == "loop", residual, unloading);
+      const Key key = key_of(role, kind == "loop", residual, unloading, extended);
       series.name = text(entry, "name");
       if (series.name.empty()) series.name = key.words;
       const std::string block = text(entry, "block");
@@ -132,6 +137,7 @@ std::string section(const Json& result, const std::string& title, const std::str
     const std::string kind = text(figure, "kind");
     return all_others ? known.count(kind) == 0 : kinds.count(kind) == 1;
   };
+  const bool extended = extends_baseline(result);
   const Json& captures = list(result, "captures");
   std::set<std::string> listed;
   std::string figures;
@@ -141,11 +147,12 @@ std::string section(const Json& result, const std::string& title, const std::str
     std::string heading = escape_html(text(capture, "title"));
     if (flag(capture, "synthetic")) heading += " <span class=\"badge synthetic\">SYNTHETIC</span>";
     for (const Json& figure : list(result, "figures"))
-      if (text(figure, "capture") == id && wanted(figure)) figures += figure_html(figure, heading);
+      if (text(figure, "capture") == id && wanted(figure))
+        figures += figure_html(figure, heading, extended);
   }
   for (const Json& figure : list(result, "figures"))
     if (listed.count(text(figure, "capture")) == 0 && wanted(figure))
-      figures += figure_html(figure, "");
+      figures += figure_html(figure, "", extended);
   if (figures.empty()) return "";
   return "<section id=\"" + anchor + "\">\n<h2>" + title + "</h2>\n" +
          (note.empty() ? "" : "<p class=\"soft\">" + note + "</p>\n") +

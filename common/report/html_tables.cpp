@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "common/report/html_text.h"
+#include "common/report/summary.h"
 #include "common/report/words.h"
 
 namespace tenter::report {
@@ -77,7 +78,7 @@ std::string before_after(const Json& object, const char* before, const char* aft
   const std::optional<double> first = number(object, before);
   const std::optional<double> last = number(object, after);
   if (!first && !last) return percent({});
-  if (!first) return percent(last);
+  if (!first || first == last) return percent(last);
   return percent(first) + kArrow + percent(last);
 }
 
@@ -121,23 +122,24 @@ std::string card(const std::string& name, const std::string& value, const std::s
 
 std::string change_card(const Json& result, const std::string& name, const char* before,
                         const char* after, const char* r2_before, const char* r2_after,
-                        const std::string& otherwise) {
+                        const std::string& otherwise, const std::string& more) {
   const std::optional<double> first = number(result, before);
   const std::optional<double> last = number(result, after);
   if (!first && !last) return card(name, percent({}), otherwise);
   std::string value;
-  if (first && last)
+  if (first && last && first != last)
     value = "<span class=\"from\">" + percent(first) + kArrow + "</span>" + percent(last);
   else
     value = percent(first ? first : last);
   std::string note;
   const std::optional<double> r2_first = number(result, r2_before);
   const std::optional<double> r2_last = number(result, r2_after);
-  if (r2_first && r2_last)
+  if (r2_first && r2_last && r2_first != r2_last)
     note = "R\u00b2 " + significant(*r2_first) + kArrow + significant(*r2_last);
   else if (r2_last)
     note = "R\u00b2 " + significant(*r2_last);
-  return card(name, value, note);
+  const std::string joint = note.empty() || more.empty() ? "" : "; ";
+  return card(name, value, note + joint + more);
 }
 
 }  // namespace
@@ -150,12 +152,15 @@ std::string summary_cards(const Json& result) {
       sources += (sources.empty() ? "from " : ", ") + source;
   }
   const bool diagnosis = text(result, "kind") == "diagnose";
+  const std::string kind = text(result, "held_out_kind");
   std::string html = "<div class=\"cards\">\n";
-  html += change_card(result, diagnosis ? "Error, baseline \u2192 extended model" : "Error",
-                      "error_before", "error_after", "r2_before", "r2_after", "not computed");
-  html +=
-      change_card(result, "Error on what the fit never saw", "held_out_before", "held_out_after",
-                  "held_out_r2_before", "held_out_r2_after", "nothing was left out");
+  html += change_card(
+      result,
+      diagnosis && extends_baseline(result) ? "Error, baseline \u2192 extended model" : "Error",
+      "error_before", "error_after", "r2_before", "r2_after", "not computed", "");
+  html += change_card(result, "Error on what the fit never saw", "held_out_before",
+                      "held_out_after", "held_out_r2_before", "held_out_r2_after",
+                      "nothing was left out", kind.empty() ? "" : "left out: " + escape_html(kind));
   html += card("Noise floor", percent(number(result, "noise_floor")), escape_html(sources));
   if (diagnosis)
     html += card("Unexplained", percent(number(result, "unexplained_share")),

@@ -80,6 +80,14 @@ std::string subject(const Json& result) {
   return words;
 }
 
+bool extends_baseline(const Json& result) {
+  const Json& before = member(result, "baseline_model");
+  const Json& after = member(result, "model");
+  if (!before.is_object() || !after.is_object()) return true;
+  return list(before, "terms") != list(after, "terms") ||
+         list(before, "corrections") != list(after, "corrections");
+}
+
 Expected<Json> parse_result(const std::string& result_json) {
   Json result = Json::parse(result_json, nullptr, false);
   if (result.is_discarded()) return bad_input("the result document is not JSON");

@@ -15,6 +15,9 @@ std::string headline(const Json& result);
 /// "Diagnosis of 2 captures with stvk_orthotropic".
 std::string subject(const Json& result);
 
+/// Whether the result's model is more than the baseline: effects or corrections were added.
+bool extends_baseline(const Json& result);
+
 /// Parses a result document; another schema or broken JSON is bad_input.
 Expected<Json> parse_result(const std::string& result_json);
 

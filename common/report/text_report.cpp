@@ -88,7 +88,7 @@ std::string change_line(const Json& result, const std::string& name, const char*
   const std::optional<double> last = number(result, after);
   if (!first && !last) return "";
   std::string value = percent(first ? first : last);
-  if (first && last) value += " -> " + percent(last);
+  if (first && last && first != last) value += " -> " + percent(last);
   return "  " + padded(name, 13) + " " + value + (note.empty() ? "" : "   " + note) + "\n";
 }
 
@@ -104,7 +104,7 @@ std::string capture_lines(const Json& result) {
   const auto change = [](const Json& capture, const char* before, const char* after) {
     const std::optional<double> first = number(capture, before);
     const std::optional<double> last = number(capture, after);
-    if (first && last) return percent(first) + " -> " + percent(last);
+    if (first && last && first != last) return percent(first) + " -> " + percent(last);
     return percent(first ? first : last);
   };
   std::string out = "\n  " + padded("capture", width) + right("noise", 9) + right("error", 20) +
@@ -157,7 +157,9 @@ Expected<std::string> render_text(const std::string& result_json, const TextStyl
   const std::optional<double> floor = number(result, "noise_floor");
   out += change_line(result, "error", "error_before", "error_after",
                      floor ? "noise floor " + percent(floor) : "");
-  out += change_line(result, "held out", "held_out_before", "held_out_after", "");
+  const std::string kind = printable(text(result, "held_out_kind"));
+  out += change_line(result, "held out", "held_out_before", "held_out_after",
+                     kind.empty() ? "" : "left out in turn: " + kind);
   if (number(result, "unexplained_share"))
     out += "  " + padded("unexplained", 13) + " " + percent(number(result, "unexplained_share")) +
            " of what the baseline missed\n";

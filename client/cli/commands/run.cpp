@@ -85,12 +85,12 @@ CLI::App* add_run(CLI::App& app, Context& context, const char* kind, const char*
 
 void add_leave_out(CLI::App* command, const std::shared_ptr<Draft>& draft) {
   command
-      ->add_option("--leave-out", draft->leave_out,
-                   "What is left out in turn to measure the error on what a fit never saw: "
-                   "protocols, repeats, or "
-                   "none. Default: protocols where there are several, else repeats.")
+      ->add_option(
+          "--leave-out", draft->leave_out,
+          "What is left out in turn to measure the error on what a fit never saw: "
+          "protocols, repeats, runs or blocks. Default: the hardest that the captures allow.")
       ->type_name("WHAT")
-      ->check(CLI::IsMember({"auto", "protocols", "repeats", "none"}));
+      ->check(CLI::IsMember({"protocols", "repeats", "runs", "blocks"}));
 }
 
 }  // namespace
@@ -126,7 +126,7 @@ void add_diagnose(CLI::App& app, Context& context) {
       ->add_option("--max-effects", draft->max_effects,
                    "At most so many effects are added to the model.")
       ->type_name("N")
-      ->check(CLI::Range(0, 50));
+      ->check(CLI::Range(0, 20));
 }
 
 void add_fit(CLI::App& app, Context& context) {

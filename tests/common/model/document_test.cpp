@@ -163,6 +163,11 @@ TEST(ModelValidate, RefusesWhatAProgramCouldBuildWrongly) {
   ASSERT_TRUE(validate(good));
 
   Model m = good;
+  m.name = "stvk_orthotropic, extended";
+  EXPECT_TRUE(validate(m));
+  m.name = "two\nlines";
+  EXPECT_FALSE(validate(m));
+  m = good;
   m.terms[1].id = m.terms[0].id;
   EXPECT_EQ(validate(m).error().message, "terms[1].id: 'weft' is used twice");
   m = good;

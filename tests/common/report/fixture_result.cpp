@@ -234,7 +234,8 @@ Json result() {
                {"error_after", 0.023},        {"held_out_before", 0.194},
                {"held_out_after", 0.029},     {"r2_before", 0.9023},
                {"r2_after", 0.9983},          {"held_out_r2_before", 0.8821},
-               {"held_out_r2_after", 0.9961}, {"unexplained_share", 0.034}};
+               {"held_out_r2_after", 0.9961}, {"unexplained_share", 0.034},
+               {"held_out_kind", "repeats"}};
   model::Model baseline = model::preset("stvk_orthotropic").value();
   root["baseline_model"] = Json::parse(model::write_model(baseline));
   model::Term friction = baseline.terms[0];

@@ -101,6 +101,18 @@ TEST(HtmlReport, ShowsAFitWithoutVerdicts) {
   EXPECT_EQ(page.find("<svg class=\"plot\""), std::string::npos);
 }
 
+TEST(HtmlReport, WithoutAnExtensionThereIsOneModel) {
+  Json result = fixture::result();
+  result["kind"] = "fit";
+  result["model"] = result["baseline_model"];
+  result["error_after"] = result["error_before"];
+  const std::string page = page_of(result);
+  EXPECT_EQ(page.find("series extended"), std::string::npos);
+  EXPECT_EQ(page.find("baseline model</button>"), std::string::npos);
+  EXPECT_NE(page.find("model</button>"), std::string::npos);
+  EXPECT_EQ(page.find("\"from\">17.1"), std::string::npos);
+}
+
 TEST(HtmlReport, SurvivesWrongTypesAndMissingKeys) {
   const Json good = fixture::result();
   for (const auto& item : good.items()) {

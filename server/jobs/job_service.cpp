@@ -2,6 +2,7 @@
 #include "server/jobs/job_service.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -94,6 +95,8 @@ void JobService::Impl::check_objects() {
 }
 
 Expected<void> JobService::Impl::open() {
+  ::signal(SIGXFSZ,
+           SIG_IGN);  // a file that may not grow is an Error of the write, not the daemon's end
   if (auto done = make_folder(config.store); !done) return done;
   std::error_code error;
   config.store = fs::canonical(config.store, error);

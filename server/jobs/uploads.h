@@ -46,6 +46,8 @@ struct UploadProgress {
   std::uint64_t chunks = 0;
 };
 
+class UploadTransfer;
+
 class Uploads {
  public:
   static constexpr std::uint32_t kChunkBytes = 1u << 20;
@@ -77,14 +79,13 @@ class Uploads {
   std::uint64_t pending_bytes(const std::string& user, const std::string& except_sha256 = "") const;
 
  private:
-  class Transfer;
   class Helper;
   explicit Uploads(std::filesystem::path folder);
-  Expected<std::shared_ptr<Transfer>> find(const std::string& transfer) const;
+  Expected<std::shared_ptr<UploadTransfer>> find(const std::string& transfer) const;
 
   std::filesystem::path folder_;
   mutable std::mutex mutex_;
-  std::map<std::string, std::shared_ptr<Transfer>> transfers_;
+  std::map<std::string, std::shared_ptr<UploadTransfer>> transfers_;
   std::unique_ptr<Helper> helper_;
 };
 

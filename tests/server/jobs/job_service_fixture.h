@@ -87,7 +87,7 @@ class ServiceTest : public ::testing::Test {
     return pid;
   }
 
-  TemporaryFolder folder_;
+  TemporaryFolder folder_{memory_folder()};
   std::mutex mutex_;
   std::vector<JobEvent> heard_;
   std::unique_ptr<JobService> service_;  // last: its thread uses the rest

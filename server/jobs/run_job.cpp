@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/jobs/run_job.h"
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
+
+#include "common/base/atomic_write.h"
+#include "common/capture/capture_file.h"
+#include "common/model/document.h"
+#include "server/diagnosis/diagnose.h"
+#include "server/jobs/result_document.h"
+
+namespace tenter::jobs {
+namespace {
+
+using nlohmann::json;
+
+/// A whole number of the options, within bounds; the option's default where it is absent.
+template <class T>
+Expected<void> read_number(const json& options, const char* key, long long lo, long long hi,
+                           T& value) {
+  if (!options.contains(key)) return {};
+  const json& given = options[key];
+  if (!given.is_number_integer() || given.get<long long>() < lo || given.get<long long>() > hi)
+    return bad_input(std::string("options.") + key + ": must be a whole number from " +
+                     std::to_string(lo) + " to " + std::to_string(hi) + ", not " + given.dump());
+  value = static_cast<T>(given.get<long long>());
+  return {};
+}
+
+Expected<diagnosis::Options> read_options(const json& spec) {
+  diagnosis::Options options;
+  if (!spec.contains("options") || spec["options"].is_null()) return options;
+  const json& given = spec["options"];
+  if (!given.is_object()) return bad_input("options: must be an object");
+  static const std::set<std::string> kKnown = {"seed", "null_twins", "max_effects",
+                                               "max_frames_per_block", "leave_out"};
+  for (const auto& [key, value] : given.items())
+    if (!kKnown.contains(key)) return bad_input("options." + key + ": no such option");
+  for (Expected<void> read :
+       {read_number(given, "seed", 0, 1LL << 53, options.seed),
+        read_number(given, "null_twins", 100, 100000, options.null_twins),
+        read_number(given, "max_effects", 0, 20, options.max_effects),
+        read_number(given, "max_frames_per_block", 10, 100000, options.max_frames_per_block)})
+    if (!read) return tl::unexpected(read.error());
+  if (given.contains("leave_out")) {
+    static const std::set<std::string> kKinds = {"auto", "protocols", "repeats", "runs", "blocks", "none"};
+    const json& kind = given["leave_out"];
+    if (!kind.is_string() || !kKinds.contains(kind.get<std::string>()))
+      return bad_input("options.leave_out: must be auto, protocols, repeats, runs, blocks or none, not " + kind.dump());
+    options.leave_out = kind.get<std::string>();
+  }
+  return options;
+}
+
+Expected<diagnosis::Request> read_request(const JobInput& input, const json& spec) {
+  diagnosis::Request request;
+  auto model = model::parse_model(spec.at("model").dump(), "model");
+  if (!model) return tl::unexpected(model.error());
+  request.model = std::move(*model);
+  auto options = read_options(spec);
+  if (!options) return tl::unexpected(options.error());
+  request.options = *options;
+  for (const auto& [sha, path] : input.captures) {
+    auto capture = capture::read_capture_guarded(path.string());
+    if (!capture) return tl::unexpected(capture.error());
+    request.captures.emplace_back(sha, std::move(*capture));
+  }
+  return request;
+}
+
+Expected<diagnosis::Diagnosis> compute(const std::string& kind, diagnosis::Request& request,
+                                       const diagnosis::Control& control) {
+  if (kind == "diagnose") return diagnosis::diagnose(request, control);
+  if (kind == "simulate")
+    for (model::Parameter* p : estimation::parameters_of(request.model)) p->fixed = true;
+  return diagnosis::fit_only(request, control);
+}
+
+}  // namespace
+
+Expected<void> run_job(const JobInput& input, const std::function<void(const JobProgress&)>& report,
+                       std::stop_token stop) {
+  const json spec = json::parse(input.spec_json, nullptr, false);
+  if (spec.is_discarded() || !spec.is_object() || !spec.contains("kind") || !spec.contains("model"))
+    return bad_input("the job's specification is not a tenter.job document");
+  const std::string kind = spec["kind"].get<std::string>();
+  report({"read", std::to_string(input.captures.size()) + " captures", 0, 0.0, 0.01});
+  auto request = read_request(input, spec);
+  if (!request) return tl::unexpected(request.error());
+
+  diagnosis::Control control;
+  control.stop = stop;
+  control.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  control.report = [&](const diagnosis::Progress& p) {
+    report({p.stage, p.detail, p.iteration, p.cost, p.fraction});
+  };
+  auto found = compute(kind, *request, control);
+  if (!found) return tl::unexpected(found.error());
+
+  report({"write", "", 0, 0.0, 0.98});
+  const std::string text = result_document(*found, *request, kind).dump(1) + "\n";
+  if (auto written =
+          write_atomically((input.staging / "result.json").string(), text.data(), text.size());
+      !written)
+    return written;
+  return report::write_residuals(residual_tables(*found),
+                                 (input.staging / "residuals.h5").string());
+}
+
+}  // namespace tenter::jobs

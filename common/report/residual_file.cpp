@@ -44,7 +44,7 @@ constexpr RealColumn kReals[] = {
 constexpr const char* kTime = "time_s";
 
 std::string table_group(std::size_t i) {
-  std::array<char, 32> name{};
+  std::array<char, 40> name{};
   std::snprintf(name.data(), name.size(), "/entry/table_%04zu", i);
   return name.data();
 }

@@ -2,10 +2,13 @@
 #include "server/diagnosis/diagnose.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <map>
 #include <set>
 #include <thread>
 
+#include "server/diagnosis/checklist.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/score.h"
 #include "server/diagnosis/verdicts.h"
@@ -152,7 +155,7 @@ std::optional<estimation::HeldOut> held_out(const Reference& at, const DataPoint
 }
 
 /// Scores of baseline and extended model, in sample and held out, in all and per capture.
-void measure_gain(Diagnosis& d, const Control& control) {
+void measure_gain(Diagnosis& d, const Options& options, const Control& control) {
   const auto rows = d.data->rows();
   d.before = score_of(*d.data, rows, d.baseline.fit.residuals, -1);
   d.after = score_of(*d.data, rows, d.extended.fit.residuals, -1);
@@ -161,6 +164,7 @@ void measure_gain(Diagnosis& d, const Control& control) {
   std::optional<estimation::HeldOut> before;
   std::optional<estimation::HeldOut> after;
   for (const std::string& kind : estimation::fold_kinds()) {
+    if (options.leave_out != "auto" && options.leave_out != kind) continue;
     estimation::Folds folds = estimation::make_folds(*d.data, rows, kind);
     estimation::keep_determined(folds, d.extended.fit, d.baseline.fit);
     if (folds.training.size() < 2) continue;
@@ -184,7 +188,9 @@ void measure_gain(Diagnosis& d, const Control& control) {
 
 }  // namespace
 
-Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
+namespace {
+
+Expected<Diagnosis> begin(const Request& request, const Control& control) {
   auto prepared = prepare(request, control);
   if (!prepared) return tl::unexpected(prepared.error());
   Diagnosis d;
@@ -193,20 +199,44 @@ Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
   d.data = prepared->data;
   d.noise = std::move(prepared->noise);
   d.baseline = std::move(prepared->baseline);
-  const Excitation excitation = examine(d.data->curves);
   d.path.push_back(step_of("start", "", request.model.name, d.baseline, d));
+  return d;
+}
 
+}  // namespace
+
+Expected<Diagnosis> fit_only(const Request& request, const Control& control) {
+  auto d = begin(request, control);
+  if (!d) return d;
+  d->extended = d->baseline;
+  measure_gain(*d, request.options, control);
+  check(*d);
+  return d;
+}
+
+Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
+  auto started = begin(request, control);
+  if (!started) return started;
+  Diagnosis& d = *started;
+  const Excitation excitation = examine(d.data->curves);
   Reference current = d.baseline;
   std::vector<Accepted> accepted = go_forward(d, current, request, excitation, control);
   if (control.stop.stop_requested()) return fail(ErrorKind::cancelled, "stopped while effects were being tried");
   d.extended = std::move(current);
-  measure_gain(d, control);
+  d.extended.model.name = request.model.name + (accepted.empty() ? "" : ", extended");
+  model::Lineage lineage;
+  lineage.parent = request.model.name;
+  for (const Accepted& entry : accepted) lineage.added.push_back(entry.trial.effect->id);
+  for (const auto& [id, capture] : request.captures) lineage.captures.push_back(id);
+  d.extended.model.lineage = lineage;
+  measure_gain(d, request.options, control);
 
   std::vector<Finding> findings;
   for (Accepted& entry : accepted) findings.push_back({std::move(entry.trial), std::move(entry.rivals)});
   control.report({"verdicts", "", 0, d.extended.fit.chi2, 0.95});
   pass_verdicts(d, findings, excitation, request.options.seed);
-  return d;
+  check(d);
+  return started;
 }
 
 }  // namespace tenter::diagnosis

@@ -42,6 +42,9 @@ struct Options {
   int null_twins = 1000;
   int max_effects = 8;
   int max_frames_per_block = 60;
+  /// What the reported gain leaves out: "protocols", "repeats", "runs", "blocks", "none"; "auto": the hardest of them
+  /// that the rest of the data can foretell.
+  std::string leave_out = "auto";
 };
 
 struct Request {
@@ -113,6 +116,10 @@ struct Diagnosis {
   double unexplained_share = 0.0;
   std::vector<CaptureScore> captures;
 };
+
+/// The fit alone, with its scores: no effect is tried and no verdict passed. With every parameter fixed it is a
+/// simulation. Baseline and extended model are the same.
+Expected<Diagnosis> fit_only(const Request& request, const Control& control);
 
 /// bad_input for captures that a material point cannot meet or a model that cannot be fitted; cancelled.
 Expected<Diagnosis> diagnose(const Request& request, const Control& control);

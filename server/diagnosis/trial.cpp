@@ -146,7 +146,7 @@ void check_parameters(Trial& trial) {
 /// An accident is an event: within a few frames of the place where it is said to be, the residuals must jump by what the
 /// fit says it was. A smooth misfit of one run does not.
 void check_step(Trial& trial, const Reference& before, const std::vector<estimation::Row>& rows) {
-  constexpr int kFrames = 4;
+  constexpr std::size_t kFrames = 4;
   for (const model::SensorCorrection& c : trial.variant.corrections) {
     const model::SensorCorrection* fitted = nullptr;
     for (const model::SensorCorrection& f : trial.model.corrections)
@@ -164,8 +164,13 @@ void check_step(Trial& trial, const Reference& before, const std::vector<estimat
         continue;
       sigma = trial.data->sigma_of(rows[r]);
       const double x = -before.fit.residuals[static_cast<Eigen::Index>(r)] * sigma;
-      if (rows[r].frame >= at - kFrames && rows[r].frame < at) early.push_back(x);
-      if (rows[r].frame >= at && rows[r].frame < at + kFrames) late.push_back(x);
+      const int origin = curves.origin[static_cast<std::size_t>(rows[r].frame)];
+      if (origin < at) {
+        early.push_back(x);
+        if (early.size() > kFrames) early.erase(early.begin());
+      } else if (late.size() < kFrames) {
+        late.push_back(x);
+      }
     }
     if (early.size() < 2 || late.size() < 2) {
       trial.objections.push_back("the step is at the end of a run");

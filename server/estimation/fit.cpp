@@ -75,6 +75,19 @@ bool is_at_bound(const model::Parameter& p, double value) {
   return p.upper && *p.upper - value <= slack;
 }
 
+/// A start at which the model has an equilibrium: where it has none, couplings that may take either sign are weakened.
+bool find_start(Evaluator& evaluator, const std::vector<const model::Parameter*>& parameters, Eigen::VectorXd& all) {
+  const Eigen::VectorXd wanted = all;
+  Eigen::VectorXd residuals;
+  for (const double share : {1.0, 0.3, 0.1, 0.0}) {
+    for (std::size_t i = 0; i < parameters.size(); ++i)
+      if (!parameters[i]->fixed && !parameters[i]->lower)
+        all[static_cast<Eigen::Index>(i)] = share * wanted[static_cast<Eigen::Index>(i)];
+    if (evaluator.evaluate(all, residuals, nullptr) == mechanics::PathStatus::ok) return true;
+  }
+  return false;
+}
+
 /// Fills states, standard errors and correlations from the Jacobian at the optimum.
 void describe(const std::vector<const model::Parameter*>& parameters, const std::vector<int>& free,
               const FitOptions& options, const std::vector<Row>& rows, FitResult& result) {
@@ -146,8 +159,7 @@ FitResult fit(Evaluator& evaluator, const model::Model& start, const FitOptions&
     all[static_cast<Eigen::Index>(i)] = inside(*parameters[i]);
     if (!parameters[i]->fixed) free.push_back(static_cast<int>(i));
   }
-  Eigen::VectorXd residuals;
-  if (evaluator.evaluate(all, residuals, nullptr) != mechanics::PathStatus::ok) {
+  if (!find_start(evaluator, parameters, all)) {
     result.message = "the model has no equilibrium at the start values";
     return result;
   }

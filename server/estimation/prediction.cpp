@@ -119,13 +119,15 @@ void Evaluator::show(const Curves& curves, const mechanics::PathResponse& respon
     if (c.type == Correction::Type::drift)
       column = curves.clock_s[static_cast<std::size_t>(frame)] - curves.clock_s.front();
     if (c.type == Correction::Type::clip_slip) {
-      // the step belongs to the run that holds its frame: at_frame counts kept frames over the capture
+      // the step belongs to the run that holds its frame; at_frame counts the capture's frames, thinned or not
       const int at = static_cast<int>(parameters[c.first_parameter + 1]);
-      const int block = curves.block_of[static_cast<std::size_t>(
-          std::clamp(at, 0, static_cast<int>(curves.frame_count()) - 1))];
-      const CurveRun& run = curves.runs[static_cast<std::size_t>(
-          curves.blocks[static_cast<std::size_t>(block)].run)];
-      column = frame >= at && frame < run.last ? 1.0 : 0.0;
+      const auto f = static_cast<std::size_t>(frame);
+      const int run = curves.blocks[static_cast<std::size_t>(curves.block_of[f])].run;
+      const CurveRun& own = curves.runs[static_cast<std::size_t>(run)];
+      const bool in_run = at >= curves.origin[static_cast<std::size_t>(own.first)] &&
+                          (run + 1 == static_cast<int>(curves.runs.size()) ||
+                           at < curves.origin[static_cast<std::size_t>(own.last)]);
+      column = in_run && curves.origin[f] >= at ? 1.0 : 0.0;
     }
     if (c.type == Correction::Type::gain || c.type == Correction::Type::delay) continue;
     shown.value += parameters[c.first_parameter] * column;

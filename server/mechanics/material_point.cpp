@@ -220,6 +220,16 @@ void MaterialPoint::advance_state(Workspace& scratch) const {
                 scratch.state.begin() + terms_[t].first_state);
 }
 
+Eigen::Matrix3d MaterialPoint::elastic_hessian(const HomogeneousStrain& kinematics, const Eigen::Vector3d& q,
+                                               const Eigen::VectorXd& parameters) const {
+  Workspace scratch;
+  scratch.state.assign(static_cast<std::size_t>(state_count_), 0.0);
+  scratch.laws.resize(terms_.size());
+  scratch.strains.resize(terms_.size());
+  scratch.strain_by_q.resize(terms_.size());
+  return evaluate(kinematics, q, parameters, 0.0, scratch).tangent;
+}
+
 PathStatus MaterialPoint::follow(const StrainPath& path, const Eigen::VectorXd& parameters,
                                  bool sensitivities, Workspace& scratch,
                                  PathResponse& response) const {

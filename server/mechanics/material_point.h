@@ -82,6 +82,10 @@ class MaterialPoint {
                                   bool sensitivities, Workspace& scratch,
                                   PathResponse& response) const;
 
+  /// d2Psi/dq2 at one state of a model without history (path-dependent terms count as never strained before).
+  Eigen::Matrix3d elastic_hessian(const HomogeneousStrain& kinematics, const Eigen::Vector3d& q,
+                                  const Eigen::VectorXd& parameters) const;
+
  private:
   struct Term {
     StrainMeasure measure;

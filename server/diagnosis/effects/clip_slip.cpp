@@ -3,6 +3,14 @@
 #include "server/diagnosis/effects/effects.h"
 
 namespace tenter::diagnosis {
+namespace {
+
+std::pair<std::string, double> place(const model::SensorCorrection& correction, const estimation::Curves& curves,
+                                     int frame) {
+  return {correction.id + ".at_frame", static_cast<double>(curves.origin[static_cast<std::size_t>(frame)])};
+}
+
+}  // namespace
 
 Effect clip_slip() {
   Effect effect;
@@ -31,10 +39,10 @@ Effect clip_slip() {
           for (int k = 1; k < kPlaces; ++k) {
             const int at = run.first + (run.last - run.first) * k / kPlaces;
             if (at - run.first < 3 || run.last - at < 3) continue;
-            variant.grid.push_back({{correction.id + ".at_frame", static_cast<double>(at)}});
+            variant.grid.push_back({place(correction, curves, at)});
           }
           for (int at = run.first + 3; at + 3 <= run.last; ++at)
-            variant.finer.push_back({{correction.id + ".at_frame", static_cast<double>(at)}});
+            variant.finer.push_back({place(correction, curves, at)});
           variant.corrections.push_back(std::move(correction));
           if (!variant.grid.empty()) variants.push_back(std::move(variant));
         }

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/diagnosis/convexity.h"
+
+#include <Eigen/Eigenvalues>
+
+#include "common/model/catalogue.h"
+
+namespace tenter::diagnosis {
+
+Convexity convexity(const model::Model& model, const estimation::DataSet& data) {
+  model::Model elastic = model;
+  std::erase_if(elastic.terms, [](const model::Term& t) {
+    const model::LawRow* row = model::find_law(t.law.name);
+    return row && row->path_dependent;
+  });
+  elastic.corrections.clear();
+  Convexity result;
+  const auto point = mechanics::MaterialPoint::make(elastic);
+  if (!point) return result;
+  const Eigen::VectorXd parameters = estimation::parameter_values(elastic);
+  constexpr double kRounding = 1e-9;
+  for (const estimation::Curves& c : data.curves) {
+    const mechanics::HomogeneousStrain kinematics(c.path.axis_angle_rad);
+    for (const Eigen::Vector3d& q : c.path.q) {
+      const Eigen::Matrix3d hessian = point->elastic_hessian(kinematics, q, parameters);
+      const double scale = hessian.cwiseAbs().maxCoeff();
+      // a component that nothing resists (no shear term) is no instability
+      if (Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(hessian).eigenvalues()[0] < -kRounding * scale) ++result.frames;
+    }
+  }
+  result.stable = result.frames == 0;
+  return result;
+}
+
+}  // namespace tenter::diagnosis

@@ -25,7 +25,6 @@ namespace tenter::jobs {
 namespace {
 
 using std::chrono::steady_clock;
-namespace fs = std::filesystem;
 
 struct Worker {
   WorkOrder order;
@@ -51,7 +50,7 @@ class LocalExecutor::Supervisor {
   Supervisor(LocalExecutorConfig config, FileDescriptor wake)
       : config_(std::move(config)),
         wake_(std::move(wake)),
-        thread_([this](std::stop_token stop) { run(stop); }) {}
+        thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
   ~Supervisor() {
     {
@@ -138,7 +137,7 @@ class LocalExecutor::Supervisor {
     [[maybe_unused]] const auto written = ::write(wake_.get(), &one, sizeof one);
   }
 
-  void run(std::stop_token stop) {
+  void run(const std::stop_token& stop) {
     for (;;) {
       std::vector<pollfd> waits{{wake_.get(), POLLIN, 0}};
       int timeout = -1;

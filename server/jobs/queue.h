@@ -16,7 +16,6 @@
 #pragma once
 
 #include <chrono>
-#include <compare>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -69,7 +68,10 @@ struct StoredResult {
 struct ClaimKey {
   JobId job = 0;
   std::int64_t epoch = 0;
-  auto operator<=>(const ClaimKey&) const = default;
+  bool operator==(const ClaimKey&) const = default;
+  bool operator<(const ClaimKey& other) const {
+    return job != other.job ? job < other.job : epoch < other.epoch;
+  }
 };
 
 class Queue {

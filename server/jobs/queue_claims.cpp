@@ -33,6 +33,7 @@ std::vector<std::string> Queue::Change::users_by_fair_share() {
     return std::tie(a.running, a.use_s, a.user) < std::tie(b.running, b.use_s, b.user);
   });
   std::vector<std::string> users;
+  users.reserve(candidates.size());
   for (auto& candidate : candidates) users.push_back(std::move(candidate.user));
   return users;
 }

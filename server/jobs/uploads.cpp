@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 // Hashes and syncs behind the back of who brings the chunks; sleeps when there is nothing new.
 class Uploads::Helper {
  public:
-  Helper() : thread_([this](std::stop_token stop) { run(stop); }) {}
+  Helper() : thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
   void look_at(const std::shared_ptr<UploadTransfer>& transfer) {
     {
@@ -36,7 +36,7 @@ class Uploads::Helper {
   }
 
  private:
-  void run(std::stop_token stop) {
+  void run(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       std::shared_ptr<UploadTransfer> next;
       {

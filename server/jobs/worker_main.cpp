@@ -98,7 +98,7 @@ class TerminationWatch {
 };
 
 std::jthread start_heartbeat(Reporter& reporter, std::chrono::milliseconds every) {
-  return std::jthread([&reporter, every](std::stop_token stop) {
+  return std::jthread([&reporter, every](const std::stop_token& stop) {
     std::mutex mutex;
     std::condition_variable_any never;
     std::unique_lock lock(mutex);
@@ -110,7 +110,7 @@ std::jthread start_heartbeat(Reporter& reporter, std::chrono::milliseconds every
 }
 
 int run_guarded(const JobInput& input, const JobFunction& run, Reporter& reporter,
-                std::stop_token stop) {
+                const std::stop_token& stop) {
   try {
     auto done = run(
         input, [&reporter](const JobProgress& p) { reporter.progress(p); }, stop);

@@ -80,6 +80,7 @@ Expected<pid_t> spawn_worker(const fs::path& program, const WorkOrder& order, in
   char* arguments[] = {name.data(), order_file.data(), nullptr};
   std::vector<std::string> variables = worker_environment();
   std::vector<char*> environment;
+  environment.reserve(variables.size() + 1);
   for (auto& variable : variables) environment.push_back(variable.data());
   environment.push_back(nullptr);
   pid_t pid = 0;

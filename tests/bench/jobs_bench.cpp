@@ -48,6 +48,7 @@ double seconds(const std::function<void()>& work) {
 
 double median_ms(int repeats, const std::function<void()>& work) {
   std::vector<double> times;
+  times.reserve(static_cast<std::size_t>(repeats));
   for (int i = 0; i < repeats; ++i) times.push_back(1e3 * seconds(work));
   std::nth_element(times.begin(), times.begin() + repeats / 2, times.end());
   return times[static_cast<std::size_t>(repeats / 2)];

@@ -97,7 +97,7 @@ class Clients {
   /// A request without an answer is sent again, with its id, before anything new.
   std::string next() {
     if (!unanswered_.empty()) {
-      const std::string again = unanswered_.front();
+      std::string again = unanswered_.front();
       unanswered_.pop_front();
       return again;
     }

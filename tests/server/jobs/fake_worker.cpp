@@ -38,7 +38,7 @@ void die_if_asked(const json& fake) {
 
 Expected<void> run_fake(const jobs::JobInput& input,
                         const std::function<void(const jobs::JobProgress&)>& report,
-                        std::stop_token stop) {
+                        const std::stop_token& stop) {
   const json spec = json::parse(input.spec_json);
   const json fake = spec.at("options").value("fake", json::object());
   std::fprintf(stderr, "fake worker runs\n");

@@ -24,7 +24,7 @@ inline ServiceConfig fake_config(const std::filesystem::path& store) {
 /// Uploads bytes as a capture; returns its id.
 inline std::string upload(JobService& service, const std::string& bytes,
                           const std::string& user = "ada") {
-  const std::string sha256 = sha256_hex(bytes);
+  std::string sha256 = sha256_hex(bytes);
   auto state = MUST(service.upload_open({user, sha256, bytes.size()}));
   if (state.already_stored) return sha256;
   for (std::uint64_t i = 0; i < state.chunks; ++i) {

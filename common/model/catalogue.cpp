@@ -39,6 +39,7 @@ const std::vector<StrainRow>& strain_catalogue() {
       {"green_trace", 1, false, "sum of the Green-Lagrange strains along weft and warp"},
       {"green_deviator", 2, false, "difference of the Green-Lagrange strains along weft and warp, and w_u . w_v"},
       {"green_pair", 2, false, "Green-Lagrange strains along weft and warp, together"},
+      {"green_pair_vu", 2, false, "Green-Lagrange strains along warp and weft, together, warp first"},
       {"soft_u", 1, false, "engineering strain along the weft, |w_u| - 1"},
       {"soft_v", 1, false, "engineering strain along the warp, |w_v| - 1"},
       {"soft_pair", 2, false, "engineering strains along weft and warp, together"},
@@ -68,6 +69,7 @@ const std::vector<LawRow>& law_catalogue() {
       {"maxwell", 0, false, 0, true, true, {{"k", "N/m", 0.0, kNone, 10.0}, {"relaxation_time", "s", 1e-6, kNone, 1.0}}, "spring and dashpot in series: stress that relaxes in a hold"},
       {"kelvin_voigt", 0, false, 0, true, true, {{"eta", "N s/m", 0.0, kNone, 1.0}}, "dashpot beside the other terms: stress eta times strain rate"},
       {"plastic_set", 1, false, 0, true, false, {{"c", "N/m", 0.0, kNone, 10.0}, {"yield_strain", "1", 0.0, kNone, 0.05}}, "strain beyond the yield strain that stays, growing with new maxima only"},
+      {"plastic_set_coupled", 2, false, 0, true, false, {{"c", "N/m", 0.0, kNone, 10.0}, {"coupling", "N/m", kNone, kNone, 0.0}, {"yield_strain", "1", 0.0, kNone, 0.05}}, "plastic set of the first strain that also shifts the stress of the second"},
       {"softening", 1, false, 0, true, false, {{"k", "N/m", 0.0, kNone, 10.0}, {"strain_scale", "1", 1e-6, kNone, 0.1}, {"power", "1", 1.0, 8.0, 1.0, true}}, "stress k eps^power that the first loading to each new maximum had and later ones lose (Mullins)"},
   };
   return rows;

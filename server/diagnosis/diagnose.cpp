@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "server/diagnosis/checklist.h"
+#include "server/diagnosis/model_edit.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/score.h"
 #include "server/diagnosis/verdicts.h"
@@ -77,6 +78,7 @@ std::vector<Trial> run_round(const std::vector<Candidate>& candidates, const Ref
 
 struct Accepted {
   Trial trial;
+  double before_chi2 = 0.0;      ///< of the model that it was added to
   std::vector<Trial> rivals;  ///< other effects of the same round, best first
 };
 
@@ -131,6 +133,7 @@ std::vector<Accepted> go_forward(Diagnosis& d, Reference& current, const Request
     if (chosen == trials.size()) break;
     Accepted entry;
     entry.trial = trials[chosen];
+    entry.before_chi2 = current.fit.chi2;
     for (std::size_t i = 0; i < trials.size(); ++i)
       if (i != chosen && trials[i].effect != entry.trial.effect) entry.rivals.push_back(trials[i]);
     current = reference_of(entry.trial);
@@ -141,6 +144,74 @@ std::vector<Accepted> go_forward(Diagnosis& d, Reference& current, const Request
     accepted.push_back(std::move(entry));
   }
   return accepted;
+}
+
+/// Takes an effect out, refits, and keeps it out where `is_needless` says so of the refit.
+template <class Needless>
+void drop_where(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted, Needless&& is_needless) {
+  std::set<std::string> ids;
+  for (const Accepted& entry : accepted) ids.insert(entry.trial.effect->id);
+  for (const std::string& id : ids) {
+    auto reduced = make_reference(without(current.model, id, d.baseline.model), d.data, {});
+    if (!reduced) continue;
+    const std::string why = is_needless(id, *reduced, current);
+    if (why.empty()) continue;
+    current = std::move(*reduced);
+    std::erase_if(accepted, [&](const Accepted& entry) { return entry.trial.effect->id == id; });
+    d.path.push_back(step_of("drop", id, why, current, d));
+  }
+}
+
+/// Backward: what later additions made needless goes.
+void go_backward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted) {
+  if (accepted.size() < 2) return;
+  drop_where(d, current, accepted, [](const std::string&, const Reference& reduced, const Reference& whole) {
+    const double rows = std::max(whole.fit.effective_rows, reduced.fit.effective_rows);
+    const int added = std::max(1, free_count(whole.model) - free_count(reduced.model));
+    const double p = f_test(reduced.fit.chi2, whole.fit.chi2, added, free_count(whole.model), rows);
+    return p >= 1e-3 ? "what was added later made it needless (p = " + std::to_string(p) + ")" : std::string();
+  });
+}
+
+/// Where the model still misses more than the noise, an effect that explained little of what was missed when it came in
+/// is a stand-in for something that the catalogue lacks: it gets no name.
+void drop_stand_ins(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted) {
+  if (!lacks_fit_still(d)) return;
+  // more is asked of a name where more stays unexplained
+  const double missed = d.baseline.fit.chi2 - noise_chi2(d);
+  const double unexplained = missed > 0.0 ? (d.extended.fit.chi2 - noise_chi2(d)) / missed : 0.0;
+  const double least_share = unexplained > 0.25 ? 0.5 : 0.35;
+  std::map<std::string, double> best;
+  for (const Accepted& entry : accepted) {
+    double& share = best[entry.trial.effect->id];
+    share = std::max(share, explained_share(entry.before_chi2, entry.trial.fit.chi2, noise_chi2(d)));
+  }
+  drop_where(d, current, accepted, [&](const std::string& id, const Reference&, const Reference&) {
+    return best[id] < least_share ? "it explains little of what is missed, and much stays unexplained: a stand-in"
+                                  : std::string();
+  });
+}
+
+/// Of the readings set aside, those that the extended model does not reach either; a sharp corner that the baseline
+/// lacked is no misreading.
+void confirm_outliers(Diagnosis& d) {
+  if (d.outliers.empty()) return;
+  auto whole = std::make_shared<estimation::DataSet>();
+  whole->curves = d.curves;
+  whole->sigma = d.data->sigma;
+  for (const estimation::Curves& c : d.curves)
+    whole->left_out.emplace_back(c.channels.size(), std::vector<bool>(c.frame_count(), false));
+  auto evaluator = estimation::Evaluator::make(d.extended.model, whole);
+  Eigen::VectorXd residuals;
+  if (!evaluator || evaluator->evaluate(estimation::parameter_values(d.extended.model), residuals, nullptr) !=
+                        mechanics::PathStatus::ok)
+    return;
+  std::set<std::tuple<int, int, int>> still;
+  for (const estimation::Outlier& o : estimation::find_outliers(*whole, evaluator->rows(), residuals, {}))
+    still.insert({o.curve, o.channel, o.frame});
+  std::erase_if(d.outliers, [&](const estimation::Outlier& o) {
+    return !still.contains({o.curve, o.channel, o.frame});
+  });
 }
 
 std::optional<estimation::HeldOut> held_out(const Reference& at, const DataPointer& data,
@@ -222,7 +293,17 @@ Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
   Reference current = d.baseline;
   std::vector<Accepted> accepted = go_forward(d, current, request, excitation, control);
   if (control.stop.stop_requested()) return fail(ErrorKind::cancelled, "stopped while effects were being tried");
-  d.extended = std::move(current);
+  go_backward(d, current, accepted);
+  const auto look_again = [&] {
+    d.extended = current;
+    d.last_screen = screen(current.model, current.fit, d.data, d.noise, excitation,
+                           {request.options.null_twins, request.options.seed + 99});
+  };
+  look_again();
+  const std::size_t found = accepted.size();
+  drop_stand_ins(d, current, accepted);
+  if (accepted.size() < found) look_again();
+  confirm_outliers(d);
   d.extended.model.name = request.model.name + (accepted.empty() ? "" : ", extended");
   model::Lineage lineage;
   lineage.parent = request.model.name;

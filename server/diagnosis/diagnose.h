@@ -106,6 +106,7 @@ struct Diagnosis {
   Reference baseline;
   Reference extended;
   Screen first_screen;
+  Screen last_screen;  ///< of the extended model
   std::vector<Verdict> verdicts;
   std::vector<PathStep> path;
   std::vector<Check> checklist;

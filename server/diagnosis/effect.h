@@ -56,6 +56,7 @@ struct Variant {
   std::vector<std::string> unfix;                           ///< parameters freed
   std::vector<model::SensorCorrection> corrections;
   std::vector<Setting> grid;  ///< start values of what enters nonlinearly; empty: nothing does
+  int searched = 1;           ///< how many places were searched for the likeliest; p values are multiplied by it
   std::vector<Setting> finer; ///< looked at only for the variant of its effect that the grid likes best
 };
 

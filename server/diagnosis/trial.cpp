@@ -146,7 +146,7 @@ void check_parameters(Trial& trial) {
 /// An accident is an event: within a few frames of the place where it is said to be, the residuals must jump by what the
 /// fit says it was. A smooth misfit of one run does not.
 void check_step(Trial& trial, const Reference& before, const std::vector<estimation::Row>& rows) {
-  constexpr std::size_t kFrames = 4;
+  constexpr std::size_t kFrames = 5;
   for (const model::SensorCorrection& c : trial.variant.corrections) {
     const model::SensorCorrection* fitted = nullptr;
     for (const model::SensorCorrection& f : trial.model.corrections)
@@ -172,18 +172,16 @@ void check_step(Trial& trial, const Reference& before, const std::vector<estimat
         late.push_back(x);
       }
     }
-    if (early.size() < 2 || late.size() < 2) {
+    if (early.size() < 3 || late.size() < 3) {
       trial.objections.push_back("the step is at the end of a run");
       return;
     }
-    // the trend on either side is not the step's: what is left between its two ends is
-    const auto edge = [](const std::vector<double>& x, bool at_end) {
-      const double slope = (x.back() - x.front()) / static_cast<double>(x.size() - 1);
-      double mean = 0.0;
-      for (const double v : x) mean += v / static_cast<double>(x.size());
-      return mean + (at_end ? 0.5 : -0.5) * slope * static_cast<double>(x.size());
+    // medians: one misread sample beside the place is no step
+    const auto middle = [](std::vector<double> x) {
+      std::nth_element(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2), x.end());
+      return x[x.size() / 2];
     };
-    const double jump = edge(late, false) - edge(early, true);
+    const double jump = middle(late) - middle(early);
     const double step = fitted->parameters[0].value;
     if (!(jump * step > 0.0) || std::abs(jump) < 0.5 * std::abs(step) || std::abs(jump) < 2.5 * sigma)
       trial.objections.push_back("the residuals do not jump where the step should be");
@@ -240,6 +238,11 @@ void check_held_out(Trial& trial, const Reference& before, const DataPointer& da
 
 }  // namespace
 
+double explained_share(double before, double after, double expected_chi2) {
+  const double missed = before - expected_chi2;
+  return missed > 0.0 ? std::min(1.0, (before - after) / missed) : 1.0;
+}
+
 void judge(Trial& trial, const Reference& before, const DataPointer& data, double expected_chi2) {
   if (!trial.fit.usable) {
     trial.objections.push_back("the refit failed: " + trial.fit.message);
@@ -247,7 +250,12 @@ void judge(Trial& trial, const Reference& before, const DataPointer& data, doubl
   }
   const double rows = std::max(trial.fit.effective_rows, before.fit.effective_rows);
   const int added = std::max(1, trial.parameters - free_count(before.model));
-  trial.p_value = f_test(before.fit.chi2, trial.fit.chi2, added, trial.parameters, rows);
+  trial.p_value =
+      std::min(1.0, trial.variant.searched * f_test(before.fit.chi2, trial.fit.chi2, added, trial.parameters, rows));
+  trial.explained = explained_share(before.fit.chi2, trial.fit.chi2, expected_chi2);
+  constexpr double kSmallest = 0.05;  // of the noise's power: what is smaller matters to nobody
+  if (before.fit.chi2 - trial.fit.chi2 < kSmallest * expected_chi2)
+    trial.objections.push_back("what it explains is far below the noise");
   if (trial.p_value >= 1e-3) trial.objections.push_back("an F test on independent rows gives it p = " + std::to_string(trial.p_value));
   check_parameters(trial);
   if (!trial.effect->in_every_run) check_step(trial, before, data->rows());

@@ -20,6 +20,7 @@ struct Trial {
   std::vector<double> block_chi2;
   int parameters = 0;            ///< free ones
   double ratio = 0.0;            ///< of the screen
+  double explained = 0.0;        ///< share of what the model before missed beyond the noise
   double p_value = 1.0;          ///< F test against the model before, on effectively independent rows
   double held_out_before = 0.0;  ///< chi2 on the same folds
   double held_out_after = 0.0;
@@ -50,6 +51,9 @@ double information(double chi2, int parameters, int added_effects, double rows);
 
 /// Fills p_value, the held-out scores and the objections.
 void judge(Trial& trial, const Reference& before, const DataPointer& data, double expected_chi2);
+
+/// Share of what `before` missed beyond `expected_chi2` that `after` explains.
+double explained_share(double before, double after, double expected_chi2);
 
 int free_count(const model::Model& model);
 

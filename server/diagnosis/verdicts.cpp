@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "server/diagnosis/model_edit.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/score.h"
 
@@ -18,52 +19,6 @@ std::string percent(double share) {
   return text;
 }
 
-/// The extended model without an effect's parts, or with those of another in their place.
-model::Model without(const model::Model& model, const std::string& effect, const model::Model& baseline) {
-  model::Model result = model;
-  std::erase_if(result.terms, [&](const model::Term& t) {
-    const bool in_baseline = std::any_of(baseline.terms.begin(), baseline.terms.end(),
-                                         [&](const model::Term& b) { return b.id == t.id; });
-    return t.effect == effect && !in_baseline;
-  });
-  for (model::Term& t : result.terms) {
-    if (t.effect != effect) continue;
-    for (const model::Term& b : baseline.terms)
-      if (b.id == t.id) t = b;
-  }
-  std::erase_if(result.corrections, [&](const model::SensorCorrection& c) { return c.effect == effect; });
-  // growth of friction with strain lives in the friction terms of another effect
-  if (effect == "strain_dependent_friction") {
-    for (model::Term& t : result.terms) {
-      if (t.law.name != "dahl") continue;
-      for (model::Parameter& p : t.law.parameters) {
-        if (p.name != "b" && p.name != "c") continue;
-        p.value = 0.0;
-        p.fixed = true;
-      }
-    }
-  }
-  return result;
-}
-
-/// Parts of a rival's trial put into the model.
-model::Model with_rival(model::Model model, const Trial& rival) {
-  for (const model::Term& t : rival.model.terms) {
-    if (t.effect != rival.effect->id) continue;
-    const bool taken = std::any_of(model.terms.begin(), model.terms.end(),
-                                   [&](const model::Term& m) { return m.id == t.id; });
-    if (taken) {
-      for (model::Term& m : model.terms)
-        if (m.id == t.id) m = t;
-    } else {
-      model.terms.push_back(t);
-    }
-  }
-  for (const model::SensorCorrection& c : rival.model.corrections)
-    if (c.effect == rival.effect->id) model.corrections.push_back(c);
-  return model;
-}
-
 /// Rivals that do as well as the effect in the extended model: twice the log evidence that speaks against each is small.
 std::vector<std::string> equals_of(const Diagnosis& d, const std::string& effect, const std::vector<Trial>& rivals) {
   constexpr double kDecisive = 10.0;
@@ -71,9 +26,7 @@ std::vector<std::string> equals_of(const Diagnosis& d, const std::string& effect
   std::set<std::string> tried;
   for (const Trial& rival : rivals) {
     if (tried.contains(rival.effect->id) || rival.effect->id == effect) continue;
-    const bool in_model = std::any_of(d.extended.model.terms.begin(), d.extended.model.terms.end(),
-                                      [&](const model::Term& t) { return t.effect == rival.effect->id; });
-    if (in_model) continue;
+    if (holds(d.extended.model, rival.effect->id)) continue;
     auto swapped = make_reference(with_rival(without(d.extended.model, effect, d.baseline.model), rival), d.data, {});
     if (!swapped) continue;
     const double rows = std::max(swapped->fit.effective_rows, d.extended.fit.effective_rows);
@@ -186,13 +139,13 @@ void add_outliers(Diagnosis& d) {
   d.verdicts.push_back(std::move(verdict));
 }
 
-void add_unexplained(Diagnosis& d, const Screen& last, bool anything_found) {
-  const double rows = static_cast<double>(d.extended.fit.residuals.size());
-  const double expected = last.expected_chi2 > 0.0 ? last.expected_chi2 : rows;
+void add_unexplained(Diagnosis& d, bool anything_found) {
+  const Screen& last = d.last_screen;
+  const double expected = noise_chi2(d);
   const double missed = std::max(0.0, d.baseline.fit.chi2 - expected);
   const double left = std::max(0.0, d.extended.fit.chi2 - expected);
   d.unexplained_share = missed > 0.0 ? std::min(1.0, left / missed) : 0.0;
-  const bool lacks_fit = last.lack_of_fit > 1.0 && left > 0.1 * expected;
+  const bool lacks_fit = lacks_fit_still(d);
   if (!lacks_fit) {
     d.unexplained_share = 0.0;
     if (anything_found) return;
@@ -209,6 +162,7 @@ void add_unexplained(Diagnosis& d, const Screen& last, bool anything_found) {
   verdict.words = percent(d.unexplained_share) +
                   " of what the baseline missed beyond the noise is explained by no effect of the catalogue; " +
                   percent(verdict.size) + " of the force.";
+  if (irreproducible(d)) verdict.words += " Repeats of the same path differ smoothly by far more than neighbouring samples scatter.";
   verdict.evidence = {{"lack_of_fit", last.lack_of_fit}, {"unexplained_share", d.unexplained_share}};
   d.verdicts.push_back(std::move(verdict));
 }
@@ -226,6 +180,28 @@ void add_not_excited(Diagnosis& d, const std::set<std::string>& found) {
 }
 
 }  // namespace
+
+double noise_chi2(const Diagnosis& d) {
+  double white = 0.0;
+  for (const estimation::Row& row : d.data->rows()) {
+    const auto& noise = d.noise.channels[static_cast<std::size_t>(row.curve)][static_cast<std::size_t>(row.channel)];
+    white += std::pow(noise.scatter_sigma / noise.sigma, 2);
+  }
+  return irreproducible(d) ? std::min(white, d.first_screen.expected_chi2) : d.first_screen.expected_chi2;
+}
+
+bool irreproducible(const Diagnosis& d) {
+  constexpr double kSmooth = 3.0;
+  for (const auto& channels : d.noise.channels)
+    for (const estimation::ChannelNoise& noise : channels)
+      if (noise.repeat_sigma > kSmooth * noise.scatter_sigma && noise.scatter_sigma > 0.0) return true;
+  return false;
+}
+
+bool lacks_fit_still(const Diagnosis& d) {
+  const double expected = noise_chi2(d);
+  return (d.last_screen.lack_of_fit > 1.0 || irreproducible(d)) && d.extended.fit.chi2 > 1.1 * expected;
+}
 
 const char* verdict_name(VerdictKind kind) {
   switch (kind) {
@@ -261,8 +237,7 @@ void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Exc
   std::stable_sort(d.verdicts.begin(), d.verdicts.end(),
                    [](const Verdict& a, const Verdict& b) { return a.size > b.size; });
   add_outliers(d);
-  const Screen last = screen(d.extended.model, d.extended.fit, d.data, d.noise, excitation, {1000, seed + 99});
-  add_unexplained(d, last, !d.verdicts.empty());
+  add_unexplained(d, !d.verdicts.empty());
   add_not_excited(d, {order.begin(), order.end()});
 }
 

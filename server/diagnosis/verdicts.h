@@ -16,6 +16,14 @@ struct Finding {
 void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Excitation& excitation,
                    unsigned long long seed);
 
+/// chi2 that the noise alone would leave: that of the null twins, or of neighbouring samples' scatter where repeats
+/// differ by much more than that and so hide something that is no noise.
+double noise_chi2(const Diagnosis& d);
+/// Repeats differ smoothly by far more than neighbouring samples scatter.
+bool irreproducible(const Diagnosis& d);
+/// The extended model still misses more than the noise.
+bool lacks_fit_still(const Diagnosis& d);
+
 const char* verdict_name(VerdictKind kind);
 
 }  // namespace tenter::diagnosis

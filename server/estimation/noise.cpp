@@ -211,6 +211,7 @@ Noise estimate_noise(const DataSet& data, const std::vector<Row>& rows,
       }
       ChannelNoise entry;
       entry.repeat_sigma = repeat_sigma.contains(channel.name) ? repeat_sigma[channel.name] : 0.0;
+      entry.scatter_sigma = scatter_sigma(blocks);
       if (channel.sigma > 0.0) {
         entry.sigma = channel.sigma;
         entry.source = NoiseSource::declared;
@@ -218,7 +219,7 @@ Noise estimate_noise(const DataSet& data, const std::vector<Row>& rows,
         entry.sigma = entry.repeat_sigma;
         entry.source = NoiseSource::repeats;
       } else {
-        entry.sigma = scatter_sigma(blocks);
+        entry.sigma = entry.scatter_sigma;
         entry.source = NoiseSource::scatter;
       }
       // never finer than the instrument resolves, nor than numbers can be trusted

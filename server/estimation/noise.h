@@ -21,6 +21,7 @@ struct ChannelNoise {
   double sigma = 0.0;  ///< SI; what residuals are divided by
   NoiseSource source = NoiseSource::scatter;
   double repeat_sigma = 0.0;  ///< SI; between repeats, 0 where there are none
+  double scatter_sigma = 0.0; ///< SI; of neighbouring samples: what is left when everything smooth is taken away
   double floor_sigma = 0.0;   ///< SI; what no model of the mean can be asked to meet: repeats, specimens or sigma
 };
 

@@ -7,19 +7,34 @@
 namespace tenter::estimation {
 namespace {
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+/// The lower of the two middle values where there are two.
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
-/// Value minus the median of the 2h+1 values centred on it; zero at the ends, where the window would lean to one side.
+/// Value minus what a robust line (Theil-Sen) through its neighbours says; the window is the 2h+1 values centred on it,
+/// or the nearest such where that would run over the end.
 std::vector<double> without_trend(const std::vector<double>& x, int half) {
   const int n = static_cast<int>(x.size());
+  const int width = 2 * half + 1;
   std::vector<double> y(x.size(), 0.0);
-  for (int i = half; i < n - half; ++i) {
-    const std::vector<double> window(x.begin() + (i - half), x.begin() + (i + half + 1));
-    y[static_cast<std::size_t>(i)] = x[static_cast<std::size_t>(i)] - median(window);
+  if (n < width) return y;
+  std::vector<double> slopes;
+  std::vector<double> levels;
+  for (int i = 0; i < n; ++i) {
+    const int first = std::clamp(i - half, 0, n - width);
+    slopes.clear();
+    levels.clear();
+    for (int a = first; a < first + width; ++a)
+      for (int b = a + 1; b < first + width; ++b)
+        if (a != i && b != i)
+          slopes.push_back((x[static_cast<std::size_t>(b)] - x[static_cast<std::size_t>(a)]) / (b - a));
+    const double slope = median(slopes);
+    for (int a = first; a < first + width; ++a)
+      if (a != i) levels.push_back(x[static_cast<std::size_t>(a)] + slope * (i - a));
+    y[static_cast<std::size_t>(i)] = x[static_cast<std::size_t>(i)] - median(levels);
   }
   return y;
 }
@@ -103,8 +118,9 @@ std::vector<Outlier> find_outliers(const DataSet& data, const std::vector<Row>& 
     }
     std::vector<double> size;
     for (const double v : deviation) size.push_back(std::abs(v));
-    // quantised readings have a median deviation of zero: never below the resolution
-    const double whole = std::max(1.4826 * median(size), channel.resolution / sigma);
+    // quantised readings have a median deviation of zero: never below the resolution, nor below a declared sigma
+    std::vector<double> sorted = size;
+    const double whole = std::max({1.4826 * median(sorted), channel.resolution / sigma, channel.sigma / sigma});
     const double smallest = options.smallest_share * (hi - lo) / sigma;
     const auto is_far = [&](std::size_t k) {
       return size[k] > options.threshold * std::max(whole, scale[k]) && size[k] > smallest;

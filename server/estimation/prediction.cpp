@@ -88,19 +88,22 @@ void Evaluator::show(const Curves& curves, const mechanics::PathResponse& respon
     const int run = curves.blocks[static_cast<std::size_t>(curves.block_of[f])].run;
     const int first = curves.runs[static_cast<std::size_t>(run)].first;
     const double when = curves.clock_s[f] - parameters[c.first_parameter];
-    int later = frame;
+    const int last = curves.runs[static_cast<std::size_t>(run)].last;
+    if (last - first < 2) continue;
+    int later = std::clamp(frame, first + 1, last - 1);
     while (later > first + 1 && curves.clock_s[static_cast<std::size_t>(later - 1)] > when) --later;
-    if (later == first) continue;  // the first frame of a run has no earlier one to show
+    while (later < last - 1 && curves.clock_s[static_cast<std::size_t>(later)] < when) ++later;
     const auto l = static_cast<std::size_t>(later);
     const double span = curves.clock_s[l] - curves.clock_s[l - 1];
     if (!(span > 0.0)) continue;
-    const double w = std::clamp((when - curves.clock_s[l - 1]) / span, 0.0, 1.0);
+    const double place = (when - curves.clock_s[l - 1]) / span;
+    const double w = std::clamp(place, 0.0, 1.0);  // before its first and after its last frame a run shows these
     const double p0 = response.stress[l - 1][component];
     const double p1 = response.stress[l][component];
     shown.value = (1.0 - w) * p0 + w * p1;
     if (sensitivities) {
       shown.by_p.head(term_parameters_) = (1.0 - w) * row(later - 1) + w * row(later);
-      shown.by_p[c.first_parameter] = -(p1 - p0) / span;
+      shown.by_p[c.first_parameter] = place == w ? -(p1 - p0) / span : 0.0;
     }
   }
   for (const Correction& c : corrections_) {

@@ -57,6 +57,10 @@ void green_pair(const Vector3d& c, double, StrainValue& out) {
   linear_in_c(c, {0.5, 0.0, 0.0}, -0.5, 0, out);
   linear_in_c(c, {0.0, 0.5, 0.0}, -0.5, 1, out);
 }
+void green_pair_vu(const Vector3d& c, double, StrainValue& out) {
+  linear_in_c(c, {0.0, 0.5, 0.0}, -0.5, 0, out);
+  linear_in_c(c, {0.5, 0.0, 0.0}, -0.5, 1, out);
+}
 void stretch_u(const Vector3d& c, double, StrainValue& out) {
   stretch_minus_one(c, {1.0, 0.0, 0.0}, 0, out);
 }
@@ -117,6 +121,8 @@ constexpr Row kRows[] = {
     {"fibre", 1, fibre},             {"fibre_pair", 2, fibre_pair},
     {"green_fibre", 1, green_fibre}, {"green_fibre_pair", 2, green_fibre_pair},
     {"soft_pair", 2, soft_pair},     {"area", 1, area},
+    {"green_pair_vu", 2, green_pair_vu},
+    {"green_pair_vu", 2, green_pair_vu},
 };
 
 }  // namespace

@@ -48,6 +48,9 @@ Effect clip_slip() {
         }
       }
     }
+    int searched = 0;
+    for (const Variant& v : variants) searched += static_cast<int>(v.finer.size());
+    for (Variant& v : variants) v.searched = searched;
     return variants;
   };
   effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {

@@ -55,6 +55,23 @@ void PlasticSetLaw::evaluate(const LawInput& in, LawOutput& out) const {
   out.energy = -0.5 * c * (beyond * beyond - start * start) - c * start * in.state[0];
 }
 
+// Not the gradient of one potential in the step (the second strain does not move the rest length): energy is that of
+// the rest length held, up to a constant.
+void CoupledPlasticSetLaw::evaluate(const LawInput& in, LawOutput& out) const {
+  const bool grows = remember(in, out);
+  const double amplitude[2] = {in.parameters[0], in.parameters[1]};
+  const double beyond = out.state[0] - in.parameters[2];
+  if (beyond <= 0.0) return;
+  for (int i = 0; i < 2; ++i) {
+    out.stress[i] = -amplitude[i] * beyond;
+    out.energy -= amplitude[i] * beyond * in.strain[i];
+    out.tangent[i][0] = grows ? -amplitude[i] : 0.0;
+    out.stress_by_state[i][0] = grows ? 0.0 : -amplitude[i];
+    out.stress_by_parameter[i][i] = -beyond;
+    out.stress_by_parameter[i][2] = amplitude[i];
+  }
+}
+
 void SofteningLaw::evaluate(const LawInput& in, LawOutput& out) const {
   if (remember(in, out)) return;  // a first loading loses nothing
   const double k = in.parameters[0];

@@ -41,6 +41,10 @@ LawPointer make_bilinear(const model::Law&, int strains) {
   return strains == 2 ? std::make_shared<BilinearLaw>() : nullptr;
 }
 
+LawPointer make_coupled_set(const model::Law&, int strains) {
+  return strains == 2 ? std::make_shared<CoupledPlasticSetLaw>() : nullptr;
+}
+
 struct Row {
   std::string_view name;
   LawPointer (*make)(const model::Law&, int strains);
@@ -57,6 +61,7 @@ constexpr Row kRows[] = {
     {"maxwell", make_each<MaxwellLaw>},
     {"kelvin_voigt", make_each<KelvinVoigtLaw>},
     {"plastic_set", make_single<PlasticSetLaw>},
+    {"plastic_set_coupled", make_coupled_set},
     {"softening", make_single<SofteningLaw>},
 };
 

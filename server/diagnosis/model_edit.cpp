@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/diagnosis/model_edit.h"
+
+#include <algorithm>
+
+namespace tenter::diagnosis {
+
+model::Model without(const model::Model& model, const std::string& effect, const model::Model& baseline) {
+  model::Model result = model;
+  std::erase_if(result.terms, [&](const model::Term& t) {
+    const bool in_baseline = std::any_of(baseline.terms.begin(), baseline.terms.end(),
+                                         [&](const model::Term& b) { return b.id == t.id; });
+    return t.effect == effect && !in_baseline;
+  });
+  for (model::Term& t : result.terms) {
+    if (t.effect != effect) continue;
+    for (const model::Term& b : baseline.terms)
+      if (b.id == t.id) t = b;
+  }
+  std::erase_if(result.corrections, [&](const model::SensorCorrection& c) { return c.effect == effect; });
+  // growth of friction with strain lives in the friction terms of another effect
+  if (effect == "strain_dependent_friction") {
+    for (model::Term& t : result.terms) {
+      if (t.law.name != "dahl") continue;
+      for (model::Parameter& p : t.law.parameters) {
+        if (p.name != "b" && p.name != "c") continue;
+        p.value = 0.0;
+        p.fixed = true;
+      }
+    }
+  }
+  return result;
+}
+
+model::Model with_rival(model::Model model, const Trial& rival) {
+  for (const model::Term& t : rival.model.terms) {
+    if (t.effect != rival.effect->id) continue;
+    const bool taken = std::any_of(model.terms.begin(), model.terms.end(),
+                                   [&](const model::Term& m) { return m.id == t.id; });
+    if (taken) {
+      for (model::Term& m : model.terms)
+        if (m.id == t.id) m = t;
+    } else {
+      model.terms.push_back(t);
+    }
+  }
+  for (const model::SensorCorrection& c : rival.model.corrections)
+    if (c.effect == rival.effect->id) model.corrections.push_back(c);
+  return model;
+}
+
+bool holds(const model::Model& model, const std::string& effect) {
+  return std::any_of(model.terms.begin(), model.terms.end(), [&](const model::Term& t) { return t.effect == effect; }) ||
+         std::any_of(model.corrections.begin(), model.corrections.end(),
+                     [&](const model::SensorCorrection& c) { return c.effect == effect; });
+}
+
+}  // namespace tenter::diagnosis

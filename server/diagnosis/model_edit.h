@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Taking effects out of an extended model and putting others in their place.
+#pragma once
+
+#include <string>
+
+#include "server/diagnosis/trial.h"
+
+namespace tenter::diagnosis {
+
+/// The model without an effect's terms, laws and corrections; what the effect replaced comes back from the baseline.
+model::Model without(const model::Model& model, const std::string& effect, const model::Model& baseline);
+
+/// The model with the parts that a rival's trial added.
+model::Model with_rival(model::Model model, const Trial& rival);
+
+/// Whether the model holds anything of an effect.
+bool holds(const model::Model& model, const std::string& effect);
+
+}  // namespace tenter::diagnosis

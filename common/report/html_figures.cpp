@@ -81,13 +81,22 @@ std::string legend_swatch(const std::string& css_class, PlotSeries::Mark mark) {
          "</svg>";
 }
 
+/// A title that ends with the capture's, which stands above it, without that end.
+std::string short_title(std::string title, const std::string& capture_title) {
+  const std::string end = ", " + capture_title;
+  if (title.size() > end.size() && title.compare(title.size() - end.size(), end.size(), end) == 0)
+    title.resize(title.size() - end.size());
+  return title;
+}
+
 /// `heading` is HTML: the capture that the figure is of. Without an extended model the baseline is
 /// "the model".
-std::string figure_html(const Json& figure, const std::string& heading, bool extended) {
+std::string figure_html(const Json& figure, const std::string& capture_title,
+                        const std::string& heading, bool extended) {
   const std::string kind = text(figure, "kind");
   const bool residual = kind.rfind("residual", 0) == 0;
   Plot plot;
-  plot.label = text(figure, "title");
+  plot.label = short_title(text(figure, "title"), capture_title);
   plot.x_label = axis_label(member(figure, "x"));
   plot.y_label = axis_label(member(figure, "y"));
   plot.zero_line = residual;
@@ -148,11 +157,11 @@ std::string section(const Json& result, const std::string& title, const std::str
     if (flag(capture, "synthetic")) heading += " <span class=\"badge synthetic\">SYNTHETIC</span>";
     for (const Json& figure : list(result, "figures"))
       if (text(figure, "capture") == id && wanted(figure))
-        figures += figure_html(figure, heading, extended);
+        figures += figure_html(figure, text(capture, "title"), heading, extended);
   }
   for (const Json& figure : list(result, "figures"))
     if (listed.count(text(figure, "capture")) == 0 && wanted(figure))
-      figures += figure_html(figure, "", extended);
+      figures += figure_html(figure, "", "", extended);
   if (figures.empty()) return "";
   return "<section id=\"" + anchor + "\">\n<h2>" + title + "</h2>\n" +
          (note.empty() ? "" : "<p class=\"soft\">" + note + "</p>\n") +
@@ -170,7 +179,7 @@ std::string figure_sections(const Json& result) {
                  "The directions that nothing pulls, where they were measured.", {"transverse"},
                  false) +
          section(result, "Residuals", "residuals",
-                 "Measured minus model. The shaded band is one standard deviation of the noise.",
+                 "Measured minus model; a shaded band is one standard deviation of the noise.",
                  {"residual_strain", "residual_time"}, false) +
          section(result, "More figures", "figures", "", {}, true);
 }

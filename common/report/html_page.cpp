@@ -28,11 +28,11 @@ constexpr std::string_view kStyle = R"css(
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--page); color: var(--ink);
   font: 15px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", "DejaVu Sans", sans-serif; }
-main { max-width: 1200px; margin: 0 auto; padding: 22px 24px 64px; }
-h1 { font-size: 27px; line-height: 1.25; font-weight: 650; letter-spacing: -0.01em; margin: 2px 0 6px; text-wrap: balance; }
-h2 { font-size: 18px; font-weight: 650; margin: 40px 0 10px; }
+main { max-width: 1200px; margin: 0 auto; padding: 16px 24px 64px; }
+h1 { font-size: 24px; line-height: 1.25; font-weight: 650; letter-spacing: -0.01em; margin: 2px 0 6px; text-wrap: balance; }
+h2 { font-size: 18px; font-weight: 650; margin: 30px 0 9px; }
 h3 { font-size: 15px; font-weight: 600; margin: 22px 0 8px; }
-p { margin: 3px 0; max-width: 78ch; }
+p { margin: 2px 0; max-width: 78ch; }
 code { font: 12.5px/1.4 ui-monospace, "DejaVu Sans Mono", monospace; color: var(--soft); overflow-wrap: anywhere; }
 .over, .soft { color: var(--soft); }
 .over { font-size: 13px; }
@@ -40,7 +40,7 @@ nav { display: flex; flex-wrap: wrap; gap: 4px 18px; font-size: 13px; margin-top
 a { color: var(--extended); text-decoration: none; }
 a:hover { text-decoration: underline; }
 .cards { display: grid; grid-template-columns: repeat(auto-fit, minmax(190px, 1fr)); gap: 12px; margin: 14px 0 12px; }
-.card { background: var(--card); border: 1px solid var(--rule); border-radius: 8px; padding: 11px 15px 12px; }
+.card { background: var(--card); border: 1px solid var(--rule); border-radius: 8px; padding: 8px 14px 9px; }
 .card .name { color: var(--soft); font-size: 13px; }
 .card .value { font-size: 23px; font-weight: 600; font-variant-numeric: tabular-nums; white-space: nowrap; }
 .card .value .from { color: var(--soft); font-weight: 400; font-size: 17px; }
@@ -50,7 +50,7 @@ section > p + .panel { margin-top: 10px; }
 table { border-collapse: collapse; width: 100%; font-size: 14px; }
 th { text-align: left; font-weight: 600; font-size: 12.5px; color: var(--soft); padding: 9px 12px 7px; vertical-align: bottom;
   border-bottom: 1px solid var(--rule); }
-td { padding: 8px 12px; vertical-align: top; border-bottom: 1px solid var(--rule); }
+td { padding: 6px 12px 7px; vertical-align: top; border-bottom: 1px solid var(--rule); }
 tr:last-child > td { border-bottom: 0; }
 th.n, td.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 td.wide { width: 50%; }
@@ -64,7 +64,9 @@ th.size { width: 190px; }
 .cause { font-weight: 600; }
 .next { border-left: 3px solid var(--rule); padding-left: 10px; margin-top: 5px; }
 details ol { margin: 2px 0 0; padding-left: 20px; }
-details { font-size: 13.5px; margin-top: 4px; }
+ul.findings { list-style: none; margin: 4px 0; padding: 0; columns: 2; column-gap: 28px; }
+ul.findings li { break-inside: avoid; margin: 0 0 10px; }
+details { font-size: 13px; margin-top: 1px; }
 summary { cursor: pointer; color: var(--soft); }
 dl { display: grid; grid-template-columns: max-content auto; gap: 1px 16px; margin: 4px 0; }
 dt { color: var(--soft); } dd { margin: 0; font-variant-numeric: tabular-nums; }

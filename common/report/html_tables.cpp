@@ -142,6 +142,63 @@ std::string change_card(const Json& result, const std::string& name, const char*
   return card(name, value, note + joint + more);
 }
 
+/// The two ends of an interval, or none.
+std::pair<std::optional<double>, std::optional<double>> ends(const Json& interval) {
+  if (interval.size() != 2) return {};
+  return {number(interval[0]), number(interval[1])};
+}
+
+/// The finding of a verdict: cause, words, what else it could be, what to capture next.
+std::string finding_html(const Json& entry) {
+  const std::string effect = text(entry, "effect");
+  std::string html;
+  if (!effect.empty())
+    html = "<div><span class=\"cause\">" + escape_html(effect_words(effect)) + "</span> <code>" +
+           escape_html(effect) + "</code></div>";
+  std::vector<std::string> others;
+  for (const Json& other : list(entry, "alternatives"))
+    others.push_back(escape_html(effect_words(text(other))));
+  std::string words = escape_html(text(entry, "words"));
+  if (!others.empty())
+    words += " <span class=\"soft\">Could also be " + joined(others, "or") + ".</span>";
+  if (!words.empty()) html += "<p>" + words + "</p>";
+  return html + next_protocol_html(member(entry, "next_protocol"));
+}
+
+std::string verdict_row(const Json& entry, double full) {
+  const auto [lo, hi] = ends(list(entry, "interval"));
+  std::string what = finding_html(entry);
+  const std::string phases = phases_html(member(entry, "next_protocol"));
+  const std::string evidence = definitions(member(entry, "evidence"));
+  if (!phases.empty() || !evidence.empty())
+    what += "<details><summary>" + std::string(phases.empty() ? "Evidence" : "Steps and evidence") +
+            "</summary>" + phases + evidence + "</details>";
+  const std::string range = percent_interval(lo, hi);
+  return "<tr>" + cell(verdict_badge(text(entry, "verdict"))) + cell(what) +
+         cell("<span class=\"cause\">" + percent(number(entry, "size")) + "</span>" +
+              (range.empty() ? "" : " <span class=\"soft\">" + range + "</span>") +
+              meter(number(entry, "size"), full, "full", lo, hi)) +
+         number_cell(escape_html(p_value(number(entry, "p_value")))) + "</tr>\n";
+}
+
+/// All that the captures could not have shown, in one row that opens.
+std::string not_excited_row(const Json& result) {
+  std::vector<std::string> names;
+  std::string findings;
+  for (const Json& entry : list(result, "verdicts")) {
+    if (text(entry, "verdict") != "NOT_EXCITED") continue;
+    names.push_back("<span class=\"cause\">" + escape_html(effect_words(text(entry, "effect"))) +
+                    "</span>");
+    findings +=
+        "<li>" + finding_html(entry) + phases_html(member(entry, "next_protocol")) + "</li>";
+  }
+  if (names.empty()) return "";
+  return "<tr>" + cell(verdict_badge("NOT_EXCITED")) +
+         "<td colspan=\"3\"><p>These captures cannot show " + joined(names, "or") +
+         ".</p><details><summary>Why, and the captures that would</summary>" +
+         "<ul class=\"findings\">" + findings + "</ul></details></td></tr>\n";
+}
+
 }  // namespace
 
 std::string summary_cards(const Json& result) {
@@ -170,44 +227,16 @@ std::string summary_cards(const Json& result) {
 
 std::string verdict_table(const Json& result) {
   double largest = 0.0;
-  for (const Json& entry : list(result, "verdicts"))
-    for (const std::optional<double>& value :
-         {number(entry, "size"),
-          list(entry, "interval").size() == 2 ? number(entry["interval"][1]) : std::nullopt})
-      largest = std::max(largest, value.value_or(0.0));
+  for (const Json& entry : list(result, "verdicts")) {
+    const auto [lo, hi] = ends(list(entry, "interval"));
+    largest = std::max({largest, number(entry, "size").value_or(0.0), hi.value_or(0.0)});
+  }
   const double full = largest > 0.5 ? 1.0 : largest > 0.2 ? 0.5 : largest > 0.05 ? 0.2 : 0.05;
 
   std::string rows;
-  for (const Json& entry : list(result, "verdicts")) {
-    const std::string effect = text(entry, "effect");
-    const Json& interval = list(entry, "interval");
-    const std::optional<double> lo = interval.size() == 2 ? number(interval[0]) : std::nullopt;
-    const std::optional<double> hi = interval.size() == 2 ? number(interval[1]) : std::nullopt;
-    std::string what;
-    if (!effect.empty())
-      what = "<div><span class=\"cause\">" + escape_html(effect_words(effect)) + "</span> <code>" +
-             escape_html(effect) + "</code></div>";
-    const std::string words = text(entry, "words");
-    if (!words.empty()) what += "<p>" + escape_html(words) + "</p>";
-    std::vector<std::string> others;
-    for (const Json& other : list(entry, "alternatives"))
-      others.push_back(escape_html(effect_words(text(other))));
-    if (!others.empty())
-      what += "<p class=\"soft\">Could also be " + joined(others, "or") + ".</p>";
-    what += next_protocol_html(member(entry, "next_protocol"));
-    const std::string phases = phases_html(member(entry, "next_protocol"));
-    const std::string evidence = definitions(member(entry, "evidence"));
-    if (!phases.empty() || !evidence.empty())
-      what += "<details><summary>" +
-              std::string(phases.empty() ? "Evidence" : "Steps and evidence") + "</summary>" +
-              phases + evidence + "</details>";
-    const std::string range = percent_interval(lo, hi);
-    rows += "<tr>" + cell(verdict_badge(text(entry, "verdict"))) + cell(what) +
-            cell("<span class=\"cause\">" + percent(number(entry, "size")) + "</span>" +
-                 (range.empty() ? "" : " <span class=\"soft\">" + range + "</span>") +
-                 meter(number(entry, "size"), full, "full", lo, hi)) +
-            number_cell(escape_html(p_value(number(entry, "p_value")))) + "</tr>\n";
-  }
+  for (const Json& entry : list(result, "verdicts"))
+    if (text(entry, "verdict") != "NOT_EXCITED") rows += verdict_row(entry, full);
+  rows += not_excited_row(result);
   if (rows.empty()) return "";
   return "<section id=\"verdicts\">\n<div class=\"panel\"><table>\n<thead><tr><th>Verdict</th><th>"
          "Finding</th><th class=\"size\">Share of the force</th><th class=\"n\">Chance</th></tr>"
@@ -225,12 +254,14 @@ std::string capture_table(const Json& result) {
       if (!text(capture, key).empty())
         origin += (origin.empty() ? "" : ", ") + escape_html(text(capture, key));
     const std::string licence = text(capture, "licence");
-    const std::string source = text(capture, "source");
-    if (!source.empty()) origin += (origin.empty() ? "" : "; ") + escape_html(source);
     origin += (origin.empty() ? "" : "; ") +
               (licence.empty() ? "licence not stated" : "licence " + escape_html(licence));
     title += "<div class=\"soft over\">" + origin + "; <code>" +
              escape_html(text(capture, "id").substr(0, 12)) + "</code></div>";
+    const std::string source = text(capture, "source");
+    if (!source.empty())
+      title +=
+          "<details class=\"over\"><summary>Source</summary>" + escape_html(source) + "</details>";
     std::string noise = percent(number(capture, "noise_floor"));
     if (!text(capture, "noise_source").empty())
       noise += "<div class=\"soft over\">" + escape_html(text(capture, "noise_source")) + "</div>";

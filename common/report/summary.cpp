@@ -49,15 +49,17 @@ std::string headline(const Json& result) {
     return what + percent(error) + " of the measured force.";
   }
   const std::vector<std::string> named = effects_with(result, "NAMED");
-  const std::vector<std::string> sensors = effects_with(result, "SENSOR");
+  std::vector<std::string> sensors = effects_with(result, "SENSOR");
   const std::vector<std::string> group = ambiguity_group(result);
   std::string words;
   if (!named.empty())
     words = (named.size() == 1 ? "Cause found: " : "Causes found: ") + joined(named) + ".";
+  const bool outliers = std::erase(sensors, effect_words("outliers")) > 0;
   if (!sensors.empty())
     words += (words.empty() ? "" : " ") +
              std::string(sensors.size() == 1 ? "Sensor fault: " : "Sensor faults: ") +
              joined(sensors) + ".";
+  if (outliers) words += (words.empty() ? "" : " ") + std::string("Some readings are outliers.");
   if (!group.empty())
     words += (words.empty() ? "" : " ") + std::string("Not to be told apart here: ") +
              joined(group) + ".";

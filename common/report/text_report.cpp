@@ -82,6 +82,26 @@ std::string verdict_text(const Json& entry, const TextStyle& style) {
   return out;
 }
 
+/// All that the captures could not have shown, together.
+std::string not_excited_text(const Json& result, const TextStyle& style) {
+  std::vector<std::string> effects, nexts;
+  for (const Json& entry : list(result, "verdicts")) {
+    if (text(entry, "verdict") != "NOT_EXCITED") continue;
+    effects.push_back(effect_words(printable(text(entry, "effect"))));
+    const std::string next = effect_words(printable(text(member(entry, "next_protocol"), "name")));
+    if (!next.empty() && std::find(nexts.begin(), nexts.end(), next) == nexts.end())
+      nexts.push_back(next);
+  }
+  if (effects.empty()) return "";
+  std::string words = "These captures cannot show " + joined(effects, "or") + ".";
+  if (!nexts.empty()) words += " Captures that would: " + joined(nexts, "and") + ".";
+  std::string out = wrapped(words, kIndent, style.width);
+  out.replace(
+      0, std::string(kIndent).size(),
+      "  " + coloured(padded("NOT EXCITED", 13), colour_of("NOT_EXCITED"), style.colour) + " ");
+  return out;
+}
+
 std::string change_line(const Json& result, const std::string& name, const char* before,
                         const char* after, const std::string& note) {
   const std::optional<double> first = number(result, before);
@@ -151,7 +171,9 @@ Expected<std::string> render_text(const std::string& result_json, const TextStyl
   if (!first.empty()) first.pop_back();
   std::string out = coloured(first, "1", style.colour) + "\n" +
                     coloured(printable(subject(result)), "2", style.colour) + "\n\n";
-  for (const Json& entry : list(result, "verdicts")) out += verdict_text(entry, style);
+  for (const Json& entry : list(result, "verdicts"))
+    if (text(entry, "verdict") != "NOT_EXCITED") out += verdict_text(entry, style);
+  out += not_excited_text(result, style);
   if (!list(result, "verdicts").empty()) out += "\n";
 
   const std::optional<double> floor = number(result, "noise_floor");

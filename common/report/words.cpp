@@ -54,7 +54,7 @@ std::string percent(std::optional<double> share) {
 }
 
 std::string percent_interval(std::optional<double> lo, std::optional<double> hi) {
-  if (!lo || !hi) return "";
+  if (!lo || !hi || percent_number(*lo) == percent_number(*hi)) return "";
   return percent_number(*lo) + " to " + percent_number(*hi) + "\u202f%";
 }
 

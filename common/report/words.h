@@ -19,7 +19,7 @@ std::string verdict_words(std::string_view verdict);
 /// Share 0..1 as "62 %", "4.1 %", "0.08 %"; none: an en dash.
 std::string percent(std::optional<double> share);
 
-/// "55 to 68 %"; "" where there is no interval.
+/// "55 to 68 %"; "" where there is none, or its ends read the same.
 std::string percent_interval(std::optional<double> lo, std::optional<double> hi);
 
 /// "p < 0.001", "p = 0.013"; "" where there is none.

@@ -213,6 +213,19 @@ Json verdicts() {
        {"alternatives", Json::array()},
        {"next_protocol", nullptr},
        {"evidence", Json::object()}});
+  for (const char* effect : {"plastic_set", "force_camera_delay"})
+    list.push_back({{"verdict", "NOT_EXCITED"},
+                    {"effect", effect},
+                    {"words", "No capture returns to zero after a new maximum."},
+                    {"size", nullptr},
+                    {"interval", nullptr},
+                    {"p_value", nullptr},
+                    {"alternatives", Json::array()},
+                    {"next_protocol",
+                     {{"name", "nested_loops"},
+                      {"words", "Loops of growing height, each back to zero."},
+                      {"phases", {{{"kind", "cycle"}, {"words", "to 0.1 and back"}}}}}},
+                    {"evidence", Json::object()}});
   return list;
 }
 

@@ -101,6 +101,21 @@ TEST(HtmlReport, ShowsAFitWithoutVerdicts) {
   EXPECT_EQ(page.find("<svg class=\"plot\""), std::string::npos);
 }
 
+TEST(HtmlReport, WhatWasNotExcitedIsOneRowThatOpens) {
+  const std::string page = page_of(fixture::result());
+  EXPECT_EQ(count(page, ">NOT EXCITED</span>"), 1u);
+  EXPECT_NE(page.find("plastic set</span> or <span class=\"cause\">force-camera delay"),
+            std::string::npos);
+  EXPECT_NE(page.find("Loops of growing height"), std::string::npos);
+}
+
+TEST(HtmlReport, ATitleThatRepeatsItsCaptureIsCut) {
+  Json result = fixture::result();
+  const std::string capture = result["captures"][0]["title"];
+  result["figures"][0]["title"] = "stress_x, " + capture;
+  EXPECT_NE(page_of(result).find("<figcaption><span>stress_x</span>"), std::string::npos);
+}
+
 TEST(HtmlReport, WithoutAnExtensionThereIsOneModel) {
   Json result = fixture::result();
   result["kind"] = "fit";

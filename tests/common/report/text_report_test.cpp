@@ -16,7 +16,8 @@ TEST(TextReport, SaysTheVerdictsAndTheErrors) {
   for (const char* words :
        {"Cause found: nonlinear stiffness.", "Diagnosis of 3 captures with stvk_orthotropic",
         "NAMED", "AMBIGUOUS", "Could also be viscosity", "Next capture: two rates and a hold",
-        "p < 0.001", "[SYNTHETIC]", "WARNING", "One rate only"})
+        "p < 0.001", "[SYNTHETIC]", "WARNING", "One rate only",
+        "NOT EXCITED   These captures cannot show plastic set or force-camera delay."})
     EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << text;
   EXPECT_EQ(text.find('\x1b'), std::string::npos);
   EXPECT_NE(render_text(fixture::result().dump(), {90, true}).value().find("\x1b["),

@@ -6,9 +6,9 @@ namespace tenter::diagnosis {
 
 const std::vector<Effect>& catalogue() {
   static const std::vector<Effect> rows = {
-      nonlinear_stiffness(), anisotropy(),       poisson_coupling(),      internal_friction(),
-      strain_dependent_friction(), viscosity(),  plastic_set(),           first_cycle_softening(),
-      load_cell_offset(),    load_cell_gain(),   load_cell_drift(),       clip_slip(),
+      nonlinear_stiffness(),       anisotropy(),     poisson_coupling(), internal_friction(),
+      strain_dependent_friction(), viscosity(),      plastic_set(),      first_cycle_softening(),
+      load_cell_offset(),          load_cell_gain(), load_cell_drift(),  clip_slip(),
       force_camera_delay(),
   };
   return rows;

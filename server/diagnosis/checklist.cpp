@@ -16,21 +16,24 @@ void add(Diagnosis& d, const char* level, std::string what, std::string why) {
 
 void check_fit(Diagnosis& d) {
   const auto& fit = d.extended.fit;
-  add(d, fit.converged ? "OK" : "WARNING", fit.converged ? "The fit converged" : "The fit did not converge",
+  add(d, fit.converged ? "OK" : "WARNING",
+      fit.converged ? "The fit converged" : "The fit did not converge",
       fit.message + " after " + std::to_string(fit.iterations) + " iterations");
   const auto names = estimation::parameter_names(d.extended.model);
   std::string at_bound;
   std::string unseen;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto state = fit.states[i];
-    if (state == estimation::ParameterState::at_bound) at_bound += (at_bound.empty() ? "" : ", ") + names[i];
-    if (state == estimation::ParameterState::zero_gradient || state == estimation::ParameterState::flat)
+    if (state == estimation::ParameterState::at_bound)
+      at_bound += (at_bound.empty() ? "" : ", ") + names[i];
+    if (state == estimation::ParameterState::zero_gradient ||
+        state == estimation::ParameterState::flat)
       unseen += (unseen.empty() ? "" : ", ") + names[i];
   }
   if (!at_bound.empty()) add(d, "WARNING", "Parameters stand at a bound", at_bound);
-  if (!unseen.empty())
-    add(d, "WARNING", "Parameters that these captures do not determine", unseen);
-  if (at_bound.empty() && unseen.empty()) add(d, "OK", "Every parameter is determined", "none at a bound, none flat");
+  if (!unseen.empty()) add(d, "WARNING", "Parameters that these captures do not determine", unseen);
+  if (at_bound.empty() && unseen.empty())
+    add(d, "OK", "Every parameter is determined", "none at a bound, none flat");
 }
 
 void check_energy(Diagnosis& d) {
@@ -40,7 +43,8 @@ void check_energy(Diagnosis& d) {
         "in the stretches and the shear of the test, at every measured frame");
   else
     add(d, "WARNING", "The elastic energy is not convex everywhere",
-        "at " + std::to_string(c.frames) + " of the measured frames a stretch that is not held would run away");
+        "at " + std::to_string(c.frames) +
+            " of the measured frames a stretch that is not held would run away");
   for (const model::Term& term : d.extended.model.terms) {
     if (term.law.name != "dahl") continue;
     const auto& p = term.law.parameters;
@@ -60,7 +64,8 @@ void check_data(Diagnosis& d) {
   add(d, sources.contains(estimation::NoiseSource::scatter) ? "WARNING" : "OK", "Noise", words);
   for (const estimation::Curves& c : d.curves) {
     if (c.dropped_frames > 0)
-      add(d, "WARNING", std::to_string(c.dropped_frames) + " frames of \"" + c.title + "\" were dropped",
+      add(d, "WARNING",
+          std::to_string(c.dropped_frames) + " frames of \"" + c.title + "\" were dropped",
           "an imposed strain is missing there");
     if (c.time_base == estimation::TimeBase::none)
       add(d, "WARNING", "\"" + c.title + "\" has no time and no rate",
@@ -73,7 +78,8 @@ void check_data(Diagnosis& d) {
   if (d.held_out_kind.empty())
     add(d, "WARNING", "No error on left-out data", "there are too few runs to leave one out");
   else
-    add(d, "OK", "Errors on left-out " + d.held_out_kind, "each predicted by a fit that did not see it");
+    add(d, "OK", "Errors on left-out " + d.held_out_kind,
+        "each predicted by a fit that did not see it");
 }
 
 }  // namespace

@@ -25,7 +25,9 @@ Convexity convexity(const model::Model& model, const estimation::DataSet& data) 
       const Eigen::Matrix3d hessian = point->elastic_hessian(kinematics, q, parameters);
       const double scale = hessian.cwiseAbs().maxCoeff();
       // a component that nothing resists (no shear term) is no instability
-      if (Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(hessian).eigenvalues()[0] < -kRounding * scale) ++result.frames;
+      if (Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(hessian).eigenvalues()[0] <
+          -kRounding * scale)
+        ++result.frames;
     }
   }
   result.stable = result.frames == 0;

@@ -17,7 +17,8 @@
 namespace tenter::diagnosis {
 namespace {
 
-/// Runs task(0..count-1) on some threads; results are placed by index, so their order is that of the tasks.
+/// Runs task(0..count-1) on some threads; results are placed by index, so their order is that of
+/// the tasks.
 void parallel(int threads, int count, const std::function<void(int)>& task) {
   if (threads <= 1 || count <= 1) {
     for (int i = 0; i < count; ++i) task(i);
@@ -31,24 +32,31 @@ void parallel(int threads, int count, const std::function<void(int)>& task) {
     });
 }
 
-/// The best few of a screen: at most two variants an effect, each at its best grid point, effects in order of ratio.
-std::vector<Candidate> shortlist(const Screen& screen, const estimation::FitResult& fit, std::size_t effects,
-                                 std::size_t variants_each) {
-  std::vector<Candidate> chosen;
-  std::map<const Effect*, std::set<std::string>> taken;
-  // in the order of the information criterion that the refits are expected to reach; ratios only decide who is in
+/// The best few of a screen: of each effect the two best variants with one part and the best with
+/// two, three, ..., each at its best grid point, so that the refits can weigh parts against gain.
+std::vector<Candidate> shortlist(const Screen& screen, const estimation::FitResult& fit,
+                                 std::size_t effects) {
+  // in the order of the information criterion that the refits are expected to reach; ratios only
+  // decide who is in
   std::vector<std::pair<double, const Candidate*>> order;
   for (const Candidate& c : screen.candidates) {
     if (c.ratio <= 1.0) continue;
     const double left = std::max(fit.chi2 - c.gain, 1e-3 * fit.chi2);
     order.emplace_back(information(left, c.df, 0, fit.effective_rows), &c);
   }
-  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Candidate> chosen;
+  std::map<const Effect*, std::set<std::string>> taken;
+  std::map<std::pair<const Effect*, std::size_t>, int> of_size;
   for (const auto& [score, c] : order) {
-    auto& variants = taken[c->effect];
-    if (variants.contains(c->variant.words) || variants.size() >= variants_each) continue;
-    if (variants.empty() && taken.size() > effects) continue;
-    variants.insert(c->variant.words);
+    const std::size_t parts =
+        c->variant.append.size() + c->variant.replace.size() + c->variant.corrections.size();
+    if (!taken.contains(c->effect) && taken.size() >= effects) continue;
+    if (taken[c->effect].contains(c->variant.words)) continue;
+    if (of_size[{c->effect, parts}] >= (parts <= 1 ? 2 : 1)) continue;
+    ++of_size[{c->effect, parts}];
+    taken[c->effect].insert(c->variant.words);
     chosen.push_back(*c);
   }
   return chosen;
@@ -58,14 +66,15 @@ double criterion(const Trial& trial, int added_effects, double rows) {
   return information(trial.fit.chi2, trial.parameters, added_effects, rows);
 }
 
-/// Refits the short list and judges it, best first, until one passes every gate. Trials keep the order of their
-/// criterion; the first of those that passed is the round's choice.
+/// Refits the short list and judges it, best first, until one passes every gate. Trials keep the
+/// order of their criterion; the first of those that passed is the round's choice.
 std::vector<Trial> run_round(const std::vector<Candidate>& candidates, const Reference& current,
                              const Diagnosis& d, int added_effects, const Control& control) {
   std::vector<Trial> trials(candidates.size());
   parallel(control.threads, static_cast<int>(candidates.size()), [&](int i) {
     if (control.stop.stop_requested()) return;
-    trials[static_cast<std::size_t>(i)] = refit(candidates[static_cast<std::size_t>(i)], current.model, d.data);
+    trials[static_cast<std::size_t>(i)] =
+        refit(candidates[static_cast<std::size_t>(i)], current.model, d.data);
   });
   std::erase_if(trials, [](const Trial& t) { return !t.fit.usable; });
   double rows = current.fit.effective_rows;
@@ -78,7 +87,7 @@ std::vector<Trial> run_round(const std::vector<Candidate>& candidates, const Ref
 
 struct Accepted {
   Trial trial;
-  double before_chi2 = 0.0;      ///< of the model that it was added to
+  double before_chi2 = 0.0;   ///< of the model that it was added to
   std::vector<Trial> rivals;  ///< other effects of the same round, best first
 };
 
@@ -105,26 +114,30 @@ std::vector<Accepted> go_forward(Diagnosis& d, Reference& current, const Request
   std::vector<Accepted> accepted;
   for (int round = 0; round < request.options.max_effects; ++round) {
     const double fraction = 0.1 + 0.7 * round / request.options.max_effects;
-    control.report({"screen", "round " + std::to_string(round + 1), round, current.fit.chi2, fraction});
+    control.report(
+        {"screen", "round " + std::to_string(round + 1), round, current.fit.chi2, fraction});
     ScreenOptions options;
     options.null_twins = request.options.null_twins;
     options.seed = request.options.seed + static_cast<unsigned long long>(round);
     const Screen found = screen(current.model, current.fit, d.data, d.noise, excitation, options);
     if (round == 0) d.first_screen = found;
-    const std::vector<Candidate> candidates = shortlist(found, current.fit, 5, 3);
+    const std::vector<Candidate> candidates = shortlist(found, current.fit, 5);
     if (candidates.empty() || control.stop.stop_requested()) break;
-    control.report({"refit", candidates.front().effect->id, round, current.fit.chi2, fraction + 0.03});
-    std::vector<Trial> trials = run_round(candidates, current, d, static_cast<int>(accepted.size()), control);
+    control.report(
+        {"refit", candidates.front().effect->id, round, current.fit.chi2, fraction + 0.03});
+    std::vector<Trial> trials =
+        run_round(candidates, current, d, static_cast<int>(accepted.size()), control);
     std::size_t chosen = trials.size();
     for (std::size_t i = 0; i < trials.size() && chosen == trials.size(); ++i) {
       if (control.stop.stop_requested()) break;
-      control.report({"gates", trials[i].effect->id + ", " + trials[i].variant.words, round, trials[i].fit.chi2,
-                      fraction + 0.06});
+      control.report({"gates", trials[i].effect->id + ", " + trials[i].variant.words, round,
+                      trials[i].fit.chi2, fraction + 0.06});
       judge(trials[i], current, d.data, found.expected_chi2);
       if (trials[i].objections.empty()) {
         chosen = i;
       } else {
-        PathStep step = step_of("reject", trials[i].effect->id, trials[i].variant.words + ": " + trials[i].objections.front(),
+        PathStep step = step_of("reject", trials[i].effect->id,
+                                trials[i].variant.words + ": " + trials[i].objections.front(),
                                 reference_of(trials[i]), d);
         step.p_value = trials[i].p_value;
         d.path.push_back(std::move(step));
@@ -139,7 +152,8 @@ std::vector<Accepted> go_forward(Diagnosis& d, Reference& current, const Request
     current = reference_of(entry.trial);
     PathStep step = step_of("add", entry.trial.effect->id, entry.trial.variant.words, current, d);
     step.p_value = entry.trial.p_value;
-    if (entry.trial.held_out_before > 0.0) step.held_out = entry.trial.held_out_after / entry.trial.held_out_before;
+    if (entry.trial.held_out_before > 0.0)
+      step.held_out = entry.trial.held_out_after / entry.trial.held_out_before;
     d.path.push_back(std::move(step));
     accepted.push_back(std::move(entry));
   }
@@ -148,7 +162,8 @@ std::vector<Accepted> go_forward(Diagnosis& d, Reference& current, const Request
 
 /// Takes an effect out, refits, and keeps it out where `is_needless` says so of the refit.
 template <class Needless>
-void drop_where(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted, Needless&& is_needless) {
+void drop_where(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
+                Needless&& is_needless) {
   std::set<std::string> ids;
   for (const Accepted& entry : accepted) ids.insert(entry.trial.effect->id);
   for (const std::string& id : ids) {
@@ -165,16 +180,20 @@ void drop_where(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
 /// Backward: what later additions made needless goes.
 void go_backward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted) {
   if (accepted.size() < 2) return;
-  drop_where(d, current, accepted, [](const std::string&, const Reference& reduced, const Reference& whole) {
-    const double rows = std::max(whole.fit.effective_rows, reduced.fit.effective_rows);
-    const int added = std::max(1, free_count(whole.model) - free_count(reduced.model));
-    const double p = f_test(reduced.fit.chi2, whole.fit.chi2, added, free_count(whole.model), rows);
-    return p >= 1e-3 ? "what was added later made it needless (p = " + std::to_string(p) + ")" : std::string();
-  });
+  drop_where(d, current, accepted,
+             [](const std::string&, const Reference& reduced, const Reference& whole) {
+               const double rows = std::max(whole.fit.effective_rows, reduced.fit.effective_rows);
+               const int added = std::max(1, free_count(whole.model) - free_count(reduced.model));
+               const double p =
+                   f_test(reduced.fit.chi2, whole.fit.chi2, added, free_count(whole.model), rows);
+               return p >= 1e-3
+                          ? "what was added later made it needless (p = " + std::to_string(p) + ")"
+                          : std::string();
+             });
 }
 
-/// Where the model still misses more than the noise, an effect that explained little of what was missed when it came in
-/// is a stand-in for something that the catalogue lacks: it gets no name.
+/// Where the model still misses more than the noise, an effect that explained little of what was
+/// missed when it came in is a stand-in for something that the catalogue lacks: it gets no name.
 void drop_stand_ins(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted) {
   if (!lacks_fit_still(d)) return;
   // more is asked of a name where more stays unexplained
@@ -184,16 +203,18 @@ void drop_stand_ins(Diagnosis& d, Reference& current, std::vector<Accepted>& acc
   std::map<std::string, double> best;
   for (const Accepted& entry : accepted) {
     double& share = best[entry.trial.effect->id];
-    share = std::max(share, explained_share(entry.before_chi2, entry.trial.fit.chi2, noise_chi2(d)));
+    share =
+        std::max(share, explained_share(entry.before_chi2, entry.trial.fit.chi2, noise_chi2(d)));
   }
   drop_where(d, current, accepted, [&](const std::string& id, const Reference&, const Reference&) {
-    return best[id] < least_share ? "it explains little of what is missed, and much stays unexplained: a stand-in"
-                                  : std::string();
+    return best[id] < least_share
+               ? "it explains little of what is missed, and much stays unexplained: a stand-in"
+               : std::string();
   });
 }
 
-/// Of the readings set aside, those that the extended model does not reach either; a sharp corner that the baseline
-/// lacked is no misreading.
+/// Of the readings set aside, those that the extended model does not reach either; a sharp corner
+/// that the baseline lacked is no misreading.
 void confirm_outliers(Diagnosis& d) {
   if (d.outliers.empty()) return;
   auto whole = std::make_shared<estimation::DataSet>();
@@ -203,11 +224,12 @@ void confirm_outliers(Diagnosis& d) {
     whole->left_out.emplace_back(c.channels.size(), std::vector<bool>(c.frame_count(), false));
   auto evaluator = estimation::Evaluator::make(d.extended.model, whole);
   Eigen::VectorXd residuals;
-  if (!evaluator || evaluator->evaluate(estimation::parameter_values(d.extended.model), residuals, nullptr) !=
-                        mechanics::PathStatus::ok)
+  if (!evaluator || evaluator->evaluate(estimation::parameter_values(d.extended.model), residuals,
+                                        nullptr) != mechanics::PathStatus::ok)
     return;
   std::set<std::tuple<int, int, int>> still;
-  for (const estimation::Outlier& o : estimation::find_outliers(*whole, evaluator->rows(), residuals, {}))
+  for (const estimation::Outlier& o :
+       estimation::find_outliers(*whole, evaluator->rows(), residuals, {}))
     still.insert({o.curve, o.channel, o.frame});
   std::erase_if(d.outliers, [&](const estimation::Outlier& o) {
     return !still.contains({o.curve, o.channel, o.frame});
@@ -237,7 +259,8 @@ void measure_gain(Diagnosis& d, const Options& options, const Control& control) 
   for (const std::string& kind : estimation::fold_kinds()) {
     if (options.leave_out != "auto" && options.leave_out != kind) continue;
     estimation::Folds folds = estimation::make_folds(*d.data, rows, kind);
-    estimation::keep_determined(folds, d.extended.fit, d.baseline.fit);
+    estimation::keep_determined(folds, d.extended.fit,
+                                estimation::added_parameters(d.extended.model, d.baseline.model));
     if (folds.training.size() < 2) continue;
     before = held_out(d.baseline, d.data, folds);
     after = held_out(d.extended, d.data, folds);
@@ -292,7 +315,8 @@ Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
   const Excitation excitation = examine(d.data->curves);
   Reference current = d.baseline;
   std::vector<Accepted> accepted = go_forward(d, current, request, excitation, control);
-  if (control.stop.stop_requested()) return fail(ErrorKind::cancelled, "stopped while effects were being tried");
+  if (control.stop.stop_requested())
+    return fail(ErrorKind::cancelled, "stopped while effects were being tried");
   go_backward(d, current, accepted);
   const auto look_again = [&] {
     d.extended = current;
@@ -313,7 +337,8 @@ Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
   measure_gain(d, request.options, control);
 
   std::vector<Finding> findings;
-  for (Accepted& entry : accepted) findings.push_back({std::move(entry.trial), std::move(entry.rivals)});
+  for (Accepted& entry : accepted)
+    findings.push_back({std::move(entry.trial), std::move(entry.rivals)});
   control.report({"verdicts", "", 0, d.extended.fit.chi2, 0.95});
   pass_verdicts(d, findings, excitation, request.options.seed);
   check(d);

@@ -3,8 +3,8 @@
 //
 //   Diagnosis d = diagnose(request, control);
 //
-// Pure: captures and model in, findings out. The same request gives the same findings, for any number of threads.
-// Method: design/diagnosis.md; steps are the functions of diagnose.cpp.
+// Pure: captures and model in, findings out. The same request gives the same findings, for any
+// number of threads. Method: design/diagnosis.md; steps are the functions of diagnose.cpp.
 #pragma once
 
 #include <functional>
@@ -42,8 +42,8 @@ struct Options {
   int null_twins = 1000;
   int max_effects = 8;
   int max_frames_per_block = 60;
-  /// What the reported gain leaves out: "protocols", "repeats", "runs", "blocks", "none"; "auto": the hardest of them
-  /// that the rest of the data can foretell.
+  /// What the reported gain leaves out: "protocols", "repeats", "runs", "blocks", "none"; "auto":
+  /// the hardest of them that the rest of the data can foretell.
   std::string leave_out = "auto";
 };
 
@@ -53,13 +53,21 @@ struct Request {
   Options options;
 };
 
-enum class VerdictKind { nothing_found, named, ambiguous, sensor, not_excited, unexplained, numerical };
+enum class VerdictKind {
+  nothing_found,
+  named,
+  ambiguous,
+  sensor,
+  not_excited,
+  unexplained,
+  numerical
+};
 
 struct Verdict {
   VerdictKind kind = VerdictKind::nothing_found;
-  std::string effect;               ///< "" where none
+  std::string effect;  ///< "" where none
   std::string words;
-  double size = 0.0;                ///< share of the force (rms over rms)
+  double size = 0.0;  ///< share of the force (rms over rms)
   double size_lo = 0.0;
   double size_hi = 0.0;
   std::optional<double> p_value;
@@ -118,11 +126,12 @@ struct Diagnosis {
   std::vector<CaptureScore> captures;
 };
 
-/// The fit alone, with its scores: no effect is tried and no verdict passed. With every parameter fixed it is a
-/// simulation. Baseline and extended model are the same.
+/// The fit alone, with its scores: no effect is tried and no verdict passed. With every parameter
+/// fixed it is a simulation. Baseline and extended model are the same.
 Expected<Diagnosis> fit_only(const Request& request, const Control& control);
 
-/// bad_input for captures that a material point cannot meet or a model that cannot be fitted; cancelled.
+/// bad_input for captures that a material point cannot meet or a model that cannot be fitted;
+/// cancelled.
 Expected<Diagnosis> diagnose(const Request& request, const Control& control);
 
 }  // namespace tenter::diagnosis

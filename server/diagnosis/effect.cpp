@@ -37,7 +37,8 @@ void examine_rates(const Curves& curves, std::map<int, std::pair<double, double>
   }
 }
 
-/// Whether the imposed strain of the curves goes back, and whether a strain is loaded again on the same specimen.
+/// Whether the imposed strain of the curves goes back, and whether a strain is loaded again on the
+/// same specimen.
 void examine_path(const Curves& curves, Excitation& e) {
   for (int i = 0; i < 3; ++i) {
     if (curves.path.is_free[static_cast<std::size_t>(i)]) continue;
@@ -63,7 +64,8 @@ void examine_path(const Curves& curves, Excitation& e) {
         e.has_unloading = true;
         fell = true;
       }
-      if (fell && f > 0 && !new_run && q > curves.path.q[f - 1][i] + 1e-9) e.has_repeated_loading = true;
+      if (fell && f > 0 && !new_run && q > curves.path.q[f - 1][i] + 1e-9)
+        e.has_repeated_loading = true;
     }
   }
 }
@@ -113,7 +115,8 @@ Excitation examine(const std::vector<Curves>& curves) {
   e.weft = reach("green_u", 0.0, curves);
   e.warp = reach("green_v", 0.0, curves);
   e.shear = reach("green_uv", 0.0, curves);
-  e.diagonal = std::max(reach("green_fibre", kDiagonal, curves), reach("green_fibre", -kDiagonal, curves));
+  e.diagonal =
+      std::max(reach("green_fibre", kDiagonal, curves), reach("green_fibre", -kDiagonal, curves));
   e.large_strain = std::max(e.weft, e.warp) > 0.2;
   std::map<int, std::pair<double, double>> rates;
   std::set<int> components;
@@ -197,7 +200,9 @@ model::SensorCorrection new_correction(const model::Model& model, const std::str
 
 std::string measure_family(const model::Model& model) {
   for (const model::Term& term : model.terms)
-    if (term.strain.name.starts_with("soft_") || term.strain.name.starts_with("spring_")) return "soft";
+    if (term.effect.empty() &&
+        (term.strain.name.starts_with("soft_") || term.strain.name.starts_with("spring_")))
+      return "soft";
   return "green";
 }
 
@@ -224,6 +229,17 @@ std::vector<Place> places(const model::Model& model, const Excitation& excitatio
     add("diagonal", family == "green" ? "green_fibre_pair" : "fibre_pair", kDiagonal);
   }
   return all;
+}
+
+bool has_coupling(const model::Model& model) {
+  for (const model::Term& term : model.terms) {
+    const std::string& name = term.strain.name;
+    const bool tied = name.ends_with("pair") || name == "area" || name == "green_trace" ||
+                      name.starts_with("spring_d") || name.ends_with("fibre");
+    const model::LawRow* law = model::find_law(term.law.name);
+    if (tied && law && !law->path_dependent) return true;
+  }
+  return false;
 }
 
 std::vector<std::vector<Place>> place_groups(const std::vector<Place>& all) {

@@ -3,7 +3,8 @@
 //
 // A new effect is one file in effects/, one row in catalogue.cpp and one test. It says
 //   - its id (design table), what it is in words, whether the material or a sensor is to blame;
-//   - its variants: terms to append, laws to replace, parameters to free, sensor corrections to add. At its start values
+//   - its variants: terms to append, laws to replace, parameters to free, sensor corrections to
+//   add. At its start values
 //     a variant changes nothing ("off"); parameters that enter nonlinearly come on a grid;
 //   - when the captures cannot show it at all, and which protocol would;
 //   - whom it is mistaken for, and the protocol that splits them.
@@ -29,15 +30,15 @@ struct Excitation {
   double warp = 0.0;
   double shear = 0.0;
   double diagonal = 0.0;
-  bool has_unloading = false;   ///< some run goes back by more than a fifth of its range
+  bool has_unloading = false;         ///< some run goes back by more than a fifth of its range
   bool has_repeated_loading = false;  ///< some strain is loaded more than once on one specimen
-  bool has_hold = false;        ///< a hold with time
+  bool has_hold = false;              ///< a hold with time
   bool has_clock = false;
-  bool has_rate = false;        ///< clock or declared rate
-  double rate_span = 1.0;       ///< largest over smallest strain rate between branches of one component
-  double longest_s = 1.0;       ///< duration of the longest run
+  bool has_rate = false;   ///< clock or declared rate
+  double rate_span = 1.0;  ///< largest over smallest strain rate between branches of one component
+  double longest_s = 1.0;  ///< duration of the longest run
   double shortest_step_s = 1.0;
-  bool large_strain = false;    ///< beyond 20 %: Green and engineering measures differ
+  bool large_strain = false;           ///< beyond 20 %: Green and engineering measures differ
   std::vector<int> stress_components;  ///< observed, without repetition
 
   /// Rates a factor of three apart or a hold: what tells friction from viscosity.
@@ -52,12 +53,15 @@ using Setting = std::vector<std::pair<std::string, double>>;
 struct Variant {
   std::string words;  ///< "weft and warp"
   std::vector<model::Term> append;
-  std::vector<std::pair<std::string, model::Law>> replace;  ///< term id -> law that equals it when off
-  std::vector<std::string> unfix;                           ///< parameters freed
+  std::vector<std::pair<std::string, model::Law>>
+      replace;                     ///< term id -> law that equals it when off
+  std::vector<std::string> unfix;  ///< parameters freed
   std::vector<model::SensorCorrection> corrections;
   std::vector<Setting> grid;  ///< start values of what enters nonlinearly; empty: nothing does
-  int searched = 1;           ///< how many places were searched for the likeliest; p values are multiplied by it
-  std::vector<Setting> finer; ///< looked at only for the variant of its effect that the grid likes best
+  int searched =
+      1;  ///< how many places were searched for the likeliest; p values are multiplied by it
+  std::vector<Setting>
+      finer;  ///< looked at only for the variant of its effect that the grid likes best
 };
 
 struct NextProtocol {
@@ -74,10 +78,10 @@ struct Effect {
   std::string id;
   std::string words;  ///< completes "The specimen shows ..." or "The channel shows ..."
   enum class Kind { material, sensor } kind = Kind::material;
-  bool in_every_run = true;   ///< false: an accident; what is left out cannot be asked for it
-  bool needs_rate = false;    ///< without time or rate at most AMBIGUOUS
+  bool in_every_run = true;  ///< false: an accident; what is left out cannot be asked for it
+  bool needs_rate = false;   ///< without time or rate at most AMBIGUOUS
   std::vector<std::string> mistaken_for;
-  NextProtocol split_by;      ///< the protocol that excites it and tells it from its neighbours
+  NextProtocol split_by;  ///< the protocol that excites it and tells it from its neighbours
   /// Ways to extend this model; empty: nothing to add.
   std::function<std::vector<Variant>(const model::Model&, const Excitation&)> variants;
   /// Why the captures cannot show it; nothing: they can.
@@ -102,22 +106,25 @@ model::SensorCorrection new_correction(const model::Model& model, const std::str
                                        const std::string& component);
 /// A direction in which an effect can act.
 struct Place {
-  std::string name;     ///< "weft", "warp", "shear", "diagonal"
+  std::string name;  ///< "weft", "warp", "shear", "diagonal"
   std::string measure;
   double angle_rad = 0.0;
-  double lo = 0.0;      ///< strains of this measure that the captures reach, zero included
+  double lo = 0.0;  ///< strains of this measure that the captures reach, zero included
   double hi = 0.0;
   double reach() const { return hi > -lo ? hi : -lo; }
 };
-/// Directions that the captures strain, in the model's own family of measures; with `both_families` those of the other
-/// family too where strains are large enough to tell them apart.
-std::vector<Place> places(const model::Model& model, const Excitation& excitation, bool both_families);
+/// Directions that the captures strain, in the model's own family of measures; with `both_families`
+/// those of the other family too where strains are large enough to tell them apart.
+std::vector<Place> places(const model::Model& model, const Excitation& excitation,
+                          bool both_families);
+/// Whether a term ties the two stretches together (bilinear, area, trace, fibre pairs).
+bool has_coupling(const model::Model& model);
 /// All places alone, then weft and warp together, and these with the diagonal.
 std::vector<std::vector<Place>> place_groups(const std::vector<Place>& places);
 /// "weft and warp"; with "(engineering strain)" where it is not the Green measure.
 std::string place_words(const std::vector<Place>& group);
-/// The measures on which the model's own terms are built: "soft" where it has any engineering measure along weft or
-/// warp, else "green".
+/// The measures on which the model's own terms are built: "soft" where it has any engineering
+/// measure along weft or warp, else "green".
 std::string measure_family(const model::Model& model);
 
 }  // namespace tenter::diagnosis

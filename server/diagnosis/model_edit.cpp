@@ -5,7 +5,8 @@
 
 namespace tenter::diagnosis {
 
-model::Model without(const model::Model& model, const std::string& effect, const model::Model& baseline) {
+model::Model without(const model::Model& model, const std::string& effect,
+                     const model::Model& baseline) {
   model::Model result = model;
   std::erase_if(result.terms, [&](const model::Term& t) {
     const bool in_baseline = std::any_of(baseline.terms.begin(), baseline.terms.end(),
@@ -17,7 +18,8 @@ model::Model without(const model::Model& model, const std::string& effect, const
     for (const model::Term& b : baseline.terms)
       if (b.id == t.id) t = b;
   }
-  std::erase_if(result.corrections, [&](const model::SensorCorrection& c) { return c.effect == effect; });
+  std::erase_if(result.corrections,
+                [&](const model::SensorCorrection& c) { return c.effect == effect; });
   // growth of friction with strain lives in the friction terms of another effect
   if (effect == "strain_dependent_friction") {
     for (model::Term& t : result.terms) {
@@ -50,7 +52,8 @@ model::Model with_rival(model::Model model, const Trial& rival) {
 }
 
 bool holds(const model::Model& model, const std::string& effect) {
-  return std::any_of(model.terms.begin(), model.terms.end(), [&](const model::Term& t) { return t.effect == effect; }) ||
+  return std::any_of(model.terms.begin(), model.terms.end(),
+                     [&](const model::Term& t) { return t.effect == effect; }) ||
          std::any_of(model.corrections.begin(), model.corrections.end(),
                      [&](const model::SensorCorrection& c) { return c.effect == effect; });
 }

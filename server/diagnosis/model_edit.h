@@ -8,8 +8,10 @@
 
 namespace tenter::diagnosis {
 
-/// The model without an effect's terms, laws and corrections; what the effect replaced comes back from the baseline.
-model::Model without(const model::Model& model, const std::string& effect, const model::Model& baseline);
+/// The model without an effect's terms, laws and corrections; what the effect replaced comes back
+/// from the baseline.
+model::Model without(const model::Model& model, const std::string& effect,
+                     const model::Model& baseline);
 
 /// The model with the parts that a rival's trial added.
 model::Model with_rival(model::Model model, const Trial& rival);

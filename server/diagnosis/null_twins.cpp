@@ -52,15 +52,19 @@ Eigen::MatrixXd null_twins(const std::vector<estimation::Row>& rows, const estim
         ++last;
       const auto length = static_cast<double>(last - first);
       if (noise.sequences.empty()) {
-        for (std::size_t r = first; r < last; ++r) twins(static_cast<Eigen::Index>(r), twin) = normal();
+        for (std::size_t r = first; r < last; ++r)
+          twins(static_cast<Eigen::Index>(r), twin) = normal();
       } else {
-        const auto pick = static_cast<std::size_t>(normal.uniform() * static_cast<double>(noise.sequences.size()));
+        const auto pick = static_cast<std::size_t>(normal.uniform() *
+                                                   static_cast<double>(noise.sequences.size()));
         const std::vector<double>& s = noise.sequences[pick];
         const double sign = normal.uniform() < 0.5 ? -1.0 : 1.0;
         for (std::size_t r = first; r < last; ++r) {
-          const double x = (static_cast<double>(r - first) + 0.5) / length * static_cast<double>(s.size());
+          const double x =
+              (static_cast<double>(r - first) + 0.5) / length * static_cast<double>(s.size());
           const auto k = std::min(static_cast<std::size_t>(x), s.size() - 1);
-          // the sequence has the repeats' variance in full where neighbours on its grid are single readings
+          // the sequence has the repeats' variance in full where neighbours on its grid are single
+          // readings
           twins(static_cast<Eigen::Index>(r), twin) = sign * s[k];
         }
       }

@@ -46,12 +46,14 @@ DataSet thinned(const DataSet& full, int max_frames) {
 
 }  // namespace
 
-std::pair<estimation::Noise, DataPointer> reweigh(const DataPointer& data, const std::vector<estimation::Row>& rows,
+std::pair<estimation::Noise, DataPointer> reweigh(const DataPointer& data,
+                                                  const std::vector<estimation::Row>& rows,
                                                   const Eigen::VectorXd& residuals) {
   estimation::Noise noise = estimation::estimate_noise(*data, rows, residuals);
   auto weighed = std::make_shared<DataSet>(*data);
   for (std::size_t i = 0; i < weighed->sigma.size(); ++i)
-    for (std::size_t c = 0; c < weighed->sigma[i].size(); ++c) weighed->sigma[i][c] = noise.channels[i][c].sigma;
+    for (std::size_t c = 0; c < weighed->sigma[i].size(); ++c)
+      weighed->sigma[i][c] = noise.channels[i][c].sigma;
   return {std::move(noise), std::move(weighed)};
 }
 
@@ -64,9 +66,11 @@ Expected<Reference> make_reference(const model::Model& start, const DataPointer&
   if (!evaluator) return tl::unexpected(evaluator.error());
   reference.fit = estimation::fit(*evaluator, reference.model, options);
   if (!reference.fit.usable)
-    return bad_input("the model \"" + start.name + "\" cannot be fitted to these captures: " + reference.fit.message);
+    return bad_input("the model \"" + start.name +
+                     "\" cannot be fitted to these captures: " + reference.fit.message);
   estimation::store(reference.fit, reference.model);
-  reference.block_chi2 = chi2_by_block(evaluator->rows(), reference.fit.residuals, data->block_count());
+  reference.block_chi2 =
+      chi2_by_block(evaluator->rows(), reference.fit.residuals, data->block_count());
   return reference;
 }
 
@@ -83,7 +87,8 @@ Expected<Prepared> prepare(const Request& request, const Control& control) {
     return !control.stop.stop_requested();
   };
   DataSet full = first_data(prepared.curves);
-  auto coarse = std::make_shared<const DataSet>(thinned(full, request.options.max_frames_per_block));
+  auto coarse =
+      std::make_shared<const DataSet>(thinned(full, request.options.max_frames_per_block));
   auto reference = make_reference(request.model, coarse, options);
   if (!reference) return tl::unexpected(reference.error());
 
@@ -92,17 +97,20 @@ Expected<Prepared> prepare(const Request& request, const Control& control) {
   auto evaluator = estimation::Evaluator::make(reference->model, whole);
   if (!evaluator) return tl::unexpected(evaluator.error());
   Eigen::VectorXd residuals;
-  if (evaluator->evaluate(reference->fit.parameters, residuals, nullptr) == mechanics::PathStatus::ok) {
+  if (evaluator->evaluate(reference->fit.parameters, residuals, nullptr) ==
+      mechanics::PathStatus::ok) {
     prepared.outliers = estimation::find_outliers(*whole, evaluator->rows(), residuals, {});
     for (const estimation::Outlier& o : prepared.outliers)
       full.left_out[static_cast<std::size_t>(o.curve)][static_cast<std::size_t>(o.channel)]
                    [static_cast<std::size_t>(o.frame)] = true;
   }
-  DataPointer data = std::make_shared<const DataSet>(thinned(full, request.options.max_frames_per_block));
+  DataPointer data =
+      std::make_shared<const DataSet>(thinned(full, request.options.max_frames_per_block));
   // noise and fit depend on each other's weights: twice is enough
   model::Model model = reference->model;
   for (int pass = 0; pass < 2; ++pass) {
-    if (control.stop.stop_requested()) return fail(ErrorKind::cancelled, "stopped before the baseline was fitted");
+    if (control.stop.stop_requested())
+      return fail(ErrorKind::cancelled, "stopped before the baseline was fitted");
     auto at = make_reference(model, data, options);
     if (!at) return tl::unexpected(at.error());
     std::tie(prepared.noise, data) = reweigh(data, data->rows(), at->fit.residuals);

@@ -32,7 +32,8 @@ class Gathering {
     const auto names = estimation::parameter_names(base);
     for (std::size_t i = 0; i < names.size(); ++i) base_index_[names[i]] = static_cast<int>(i);
     term_parameters_ = 0;
-    for (const model::Term& t : base.terms) term_parameters_ += static_cast<int>(t.law.parameters.size());
+    for (const model::Term& t : base.terms)
+      term_parameters_ += static_cast<int>(t.law.parameters.size());
   }
 
   void add(const Effect& effect, const Variant& variant, const Setting& setting) {
@@ -47,10 +48,12 @@ class Gathering {
         model::Term term = existing;
         term.law = law;
         const std::size_t first = entry.columns.size();
-        // linear in its parameters: at zero it has the same columns as in the place of the law that it replaces
+        // linear in its parameters: at zero it has the same columns as in the place of the law that
+        // it replaces
         for (model::Parameter& p : term.law.parameters) p.value = 0.0;
         add_term(term, setting, entry);
-        for (std::size_t k = first; k < entry.off.size(); ++k) entry.off[k] = law.parameters[k - first].value;
+        for (std::size_t k = first; k < entry.off.size(); ++k)
+          entry.off[k] = law.parameters[k - first].value;
         break;
       }
     }
@@ -100,7 +103,8 @@ class Gathering {
  private:
   static constexpr int kCorrectionBase = 1 << 20;
 
-  static void apply(const Setting& setting, const std::string& id, std::vector<model::Parameter>& parameters) {
+  static void apply(const Setting& setting, const std::string& id,
+                    std::vector<model::Parameter>& parameters) {
     for (const auto& [address, value] : setting)
       for (model::Parameter& p : parameters)
         if (address == id + "." + p.name) p.value = value;
@@ -109,7 +113,8 @@ class Gathering {
   void add_term(model::Term term, const Setting& setting, Columns& entry) {
     const std::string id = term.id;
     apply(setting, id, term.law.parameters);
-    std::string key = term.strain.name + "@" + std::to_string(term.strain.angle_rad) + "/" + term.law.name;
+    std::string key =
+        term.strain.name + "@" + std::to_string(term.strain.angle_rad) + "/" + term.law.name;
     for (const model::Parameter& p : term.law.parameters) key += "," + std::to_string(p.value);
     auto [found, is_new] = known_.emplace(key, added_term_parameters_);
     if (is_new) {
@@ -163,7 +168,8 @@ double percentile(std::vector<double> values, double share) {
 struct Projected {
   Eigen::MatrixXd basis;       ///< rows x df, orthonormal, orthogonal to J
   Eigen::VectorXd amplitudes;  ///< least-squares values of the candidate's columns
-  bool positive = false;       ///< one column whose amplitude must not be negative; the basis points to more of it
+  bool positive =
+      false;  ///< one column whose amplitude must not be negative; the basis points to more of it
 };
 
 Projected project(const Columns& entry, const Gathering& gathering, const RowMatrix& jacobian,
@@ -203,7 +209,8 @@ Projected project(const Columns& entry, const Gathering& gathering, const RowMat
 }
 
 double statistic(const Eigen::VectorXd& components, bool positive) {
-  if (positive) return components[0] < 0.0 ? components.squaredNorm() : 0.0;  // less residual, not more
+  if (positive)
+    return components[0] < 0.0 ? components.squaredNorm() : 0.0;  // less residual, not more
   return components.squaredNorm();
 }
 
@@ -216,7 +223,8 @@ struct Ground {
   Eigen::VectorXd left;   ///< residuals, likewise
 };
 
-/// Projects every entry and adds it to the candidates; `largest`, where given, collects each twin's largest u.
+/// Projects every entry and adds it to the candidates; `largest`, where given, collects each twin's
+/// largest u.
 bool add_candidates(const Gathering& gathering, const Ground& ground, std::vector<double>* largest,
                     std::vector<Candidate>& candidates) {
   const model::Model all = gathering.model();
@@ -224,7 +232,8 @@ bool add_candidates(const Gathering& gathering, const Ground& ground, std::vecto
   if (!evaluator) return false;
   Eigen::VectorXd residuals;
   RowMatrix jacobian;
-  if (evaluator->evaluate(estimation::parameter_values(all), residuals, &jacobian) != mechanics::PathStatus::ok)
+  if (evaluator->evaluate(estimation::parameter_values(all), residuals, &jacobian) !=
+      mechanics::PathStatus::ok)
     return false;
   const auto count = static_cast<std::size_t>(ground.twins.cols());
   for (const Columns& entry : gathering.entries()) {
@@ -237,7 +246,8 @@ bool add_candidates(const Gathering& gathering, const Ground& ground, std::vecto
       null[k] = statistic(twin_components.col(static_cast<Eigen::Index>(k)), p.positive);
     const double scale = std::max(percentile(null, 0.95), 1e-9);
     if (largest)
-      for (std::size_t k = 0; k < count; ++k) (*largest)[k] = std::max((*largest)[k], null[k] / scale);
+      for (std::size_t k = 0; k < count; ++k)
+        (*largest)[k] = std::max((*largest)[k], null[k] / scale);
     Candidate candidate;
     candidate.effect = entry.effect;
     candidate.variant = *entry.variant;
@@ -257,14 +267,16 @@ bool add_candidates(const Gathering& gathering, const Ground& ground, std::vecto
 }
 
 /// The model's own space and the null twins.
-Ground make_ground(const model::Model& fitted, const estimation::FitResult& fit, const DataPointer& data,
-                   const estimation::Noise& noise, const ScreenOptions& options, Screen& result) {
+Ground make_ground(const model::Model& fitted, const estimation::FitResult& fit,
+                   const DataPointer& data, const estimation::Noise& noise,
+                   const ScreenOptions& options, Screen& result) {
   Ground ground;
   ground.fitted = &fitted;
   ground.data = data;
   std::vector<Eigen::Index> free;
   for (std::size_t i = 0; i < fit.states.size(); ++i)
-    if (fit.states[i] == estimation::ParameterState::free || fit.states[i] == estimation::ParameterState::flat)
+    if (fit.states[i] == estimation::ParameterState::free ||
+        fit.states[i] == estimation::ParameterState::flat)
       free.push_back(static_cast<Eigen::Index>(i));
   Eigen::MatrixXd own_columns(fit.residuals.size(), static_cast<Eigen::Index>(free.size()));
   for (std::size_t c = 0; c < free.size(); ++c)
@@ -274,8 +286,10 @@ Ground make_ground(const model::Model& fitted, const estimation::FitResult& fit,
   ground.twins -= ground.own * (ground.own.transpose() * ground.twins);
   ground.left = fit.residuals - ground.own * (ground.own.transpose() * fit.residuals);
   std::vector<double> twin_chi2;
-  for (Eigen::Index k = 0; k < ground.twins.cols(); ++k) twin_chi2.push_back(ground.twins.col(k).squaredNorm());
-  for (const double c : twin_chi2) result.expected_chi2 += c / static_cast<double>(twin_chi2.size());
+  for (Eigen::Index k = 0; k < ground.twins.cols(); ++k)
+    twin_chi2.push_back(ground.twins.col(k).squaredNorm());
+  for (const double c : twin_chi2)
+    result.expected_chi2 += c / static_cast<double>(twin_chi2.size());
   result.lack_of_fit = ground.left.squaredNorm() / percentile(twin_chi2, 0.95);
   return ground;
 }
@@ -283,7 +297,8 @@ Ground make_ground(const model::Model& fitted, const estimation::FitResult& fit,
 }  // namespace
 
 Screen screen(const model::Model& fitted, const estimation::FitResult& fit, const DataPointer& data,
-              const estimation::Noise& noise, const Excitation& excitation, const ScreenOptions& options) {
+              const estimation::Noise& noise, const Excitation& excitation,
+              const ScreenOptions& options) {
   Screen result;
   const Ground ground = make_ground(fitted, fit, data, noise, options, result);
   Gathering gathering(fitted);
@@ -320,7 +335,8 @@ Screen screen(const model::Model& fitted, const estimation::FitResult& fit, cons
     if (c.variant.finer.empty() || looked_at[c.effect].size() >= 2) continue;
     if (!looked_at[c.effect].insert(c.variant.words).second) continue;
     fine_variants.push_back(c.variant);
-    for (const Setting& setting : c.variant.finer) fine.add(*c.effect, fine_variants.back(), setting);
+    for (const Setting& setting : c.variant.finer)
+      fine.add(*c.effect, fine_variants.back(), setting);
   }
   if (!fine.entries().empty()) add_candidates(fine, ground, &largest, result.candidates);
 

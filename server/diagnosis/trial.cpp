@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/diagnosis/trial.h"
 
-#include <algorithm>
 #include <Eigen/Dense>
+#include <algorithm>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 
@@ -16,8 +16,8 @@ int free_count(const model::Model& model) {
   return count;
 }
 
-std::vector<double> chi2_by_block(const std::vector<estimation::Row>& rows, const Eigen::VectorXd& residuals,
-                                  int blocks) {
+std::vector<double> chi2_by_block(const std::vector<estimation::Row>& rows,
+                                  const Eigen::VectorXd& residuals, int blocks) {
   std::vector<double> sums(static_cast<std::size_t>(blocks), 0.0);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const double x = residuals[static_cast<Eigen::Index>(r)];
@@ -59,7 +59,8 @@ Trial refit(const Candidate& candidate, const model::Model& base, const DataPoin
     for (const auto& [address, value] : candidate.setting)
       for (const Setting& point : candidate.variant.grid)
         for (const auto& entry : point)
-          if (entry.first == address && entry.second == value) grid_only.emplace_back(address, value);
+          if (entry.first == address && entry.second == value)
+            grid_only.emplace_back(address, value);
     trial.model = extend(base, candidate.variant, grid_only, candidate.effect->id);
     estimation::adapt_spline_ranges(trial.model, data->curves);
     trial.fit = estimation::fit(*evaluator, trial.model, options);
@@ -74,14 +75,16 @@ Trial refit(const Candidate& candidate, const model::Model& base, const DataPoin
 namespace {
 
 bool enters_nonlinearly(const std::string& name) {
-  for (const char* ending : {".tau", ".relaxation_time", ".strain_scale", ".yield_strain", ".at_frame"})
+  for (const char* ending :
+       {".tau", ".relaxation_time", ".strain_scale", ".yield_strain", ".at_frame"})
     if (name.ends_with(ending)) return true;
   return false;
 }
 
-/// Relative standard error of several amplitudes together at the given shape, 1/sqrt(a' C^-1 a) with C their covariance
-/// when the parameters of the shape (tau and the like) are held: parameters that trade against each other may each be
-/// vague while what they do together is not. Infinite where none moves.
+/// Relative standard error of several amplitudes together at the given shape, 1/sqrt(a' C^-1 a)
+/// with C their covariance when the parameters of the shape (tau and the like) are held: parameters
+/// that trade against each other may each be vague while what they do together is not. Infinite
+/// where none moves.
 double joint_relative_error(const Trial& trial, const std::vector<std::size_t>& amplitudes,
                             const std::vector<double>& off, const std::vector<std::size_t>& shape) {
   const auto is_free = [&](std::size_t i) { return trial.fit.states[i] == ParameterState::free; };
@@ -102,11 +105,13 @@ double joint_relative_error(const Trial& trial, const std::vector<std::size_t>& 
     const auto i = static_cast<Eigen::Index>(moving[static_cast<std::size_t>(r)]);
     for (Eigen::Index c = 0; c < all; ++c) {
       const auto j = static_cast<Eigen::Index>(moving[static_cast<std::size_t>(c)]);
-      covariance(r, c) = trial.fit.correlation(i, j) * trial.fit.std_error[i] * trial.fit.std_error[j];
+      covariance(r, c) =
+          trial.fit.correlation(i, j) * trial.fit.std_error[i] * trial.fit.std_error[j];
     }
   }
   // the information of the amplitudes at a fixed shape is the block of the whole information
-  const Eigen::MatrixXd information = covariance.ldlt().solve(Eigen::MatrixXd::Identity(all, all)).topLeftCorner(n, n);
+  const Eigen::MatrixXd information =
+      covariance.ldlt().solve(Eigen::MatrixXd::Identity(all, all)).topLeftCorner(n, n);
   const Eigen::Map<const Eigen::VectorXd> a(value.data(), n);
   const double wald = a.dot(information * a);
   return wald > 0.0 ? 1.0 / std::sqrt(wald) : 1e300;
@@ -137,14 +142,16 @@ void check_parameters(Trial& trial) {
       trial.objections.push_back(owner + " is at a bound or moves nothing");
     else if (error > kVague)
       trial.objections.push_back("the size of " + owner + " is known to no better than " +
-                                 std::to_string(static_cast<int>(std::min(error * 100.0, 999.0))) + " %");
+                                 std::to_string(static_cast<int>(std::min(error * 100.0, 999.0))) +
+                                 " %");
   };
   for (const model::Term& term : trial.variant.append) check(term.id, 0.0);
-  for (const model::SensorCorrection& c : trial.variant.corrections) check(c.id, c.type == "gain" ? 1.0 : 0.0);
+  for (const model::SensorCorrection& c : trial.variant.corrections)
+    check(c.id, c.type == "gain" ? 1.0 : 0.0);
 }
 
-/// An accident is an event: within a few frames of the place where it is said to be, the residuals must jump by what the
-/// fit says it was. A smooth misfit of one run does not.
+/// An accident is an event: within a few frames of the place where it is said to be, the residuals
+/// must jump by what the fit says it was. A smooth misfit of one run does not.
 void check_step(Trial& trial, const Reference& before, const std::vector<estimation::Row>& rows) {
   constexpr std::size_t kFrames = 5;
   for (const model::SensorCorrection& c : trial.variant.corrections) {
@@ -183,21 +190,24 @@ void check_step(Trial& trial, const Reference& before, const std::vector<estimat
     };
     const double jump = middle(late) - middle(early);
     const double step = fitted->parameters[0].value;
-    if (!(jump * step > 0.0) || std::abs(jump) < 0.5 * std::abs(step) || std::abs(jump) < 2.5 * sigma)
+    if (!(jump * step > 0.0) || std::abs(jump) < 0.5 * std::abs(step) ||
+        std::abs(jump) < 2.5 * sigma)
       trial.objections.push_back("the residuals do not jump where the step should be");
   }
 }
 
 /// One comparison on left-out data; the objection to the trial, or nothing.
-std::string held_out_objection(Trial& trial, const Reference& before, const DataPointer& data, double expected_chi2,
-                               const estimation::Folds& folds, estimation::Evaluator& larger,
-                               estimation::Evaluator& smaller) {
+std::string held_out_objection(Trial& trial, const Reference& before, const DataPointer& data,
+                               double expected_chi2, const estimation::Folds& folds,
+                               estimation::Evaluator& larger, estimation::Evaluator& smaller) {
   estimation::FitOptions options;
   options.max_iterations = 25;
   options.tolerance = 1e-5;
   const estimation::HeldOut after = estimation::cross_validate(larger, trial.model, folds, options);
-  const estimation::HeldOut earlier = estimation::cross_validate(smaller, before.model, folds, options);
-  if (!after.usable || !earlier.usable) return "a refit without one of the " + folds.kind + " failed";
+  const estimation::HeldOut earlier =
+      estimation::cross_validate(smaller, before.model, folds, options);
+  if (!after.usable || !earlier.usable)
+    return "a refit without one of the " + folds.kind + " failed";
   trial.folds = folds.kind;
   trial.held_out_before = earlier.chi2;
   trial.held_out_after = after.chi2;
@@ -207,27 +217,31 @@ std::string held_out_objection(Trial& trial, const Reference& before, const Data
   for (std::size_t i = 0; i < a.size(); ++i) mean += (b[i] - a[i]) / static_cast<double>(a.size());
   double variance = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i)
-    variance += std::pow(b[i] - a[i] - mean, 2) / static_cast<double>(std::max<std::size_t>(1, a.size() - 1));
+    variance += std::pow(b[i] - a[i] - mean, 2) /
+                static_cast<double>(std::max<std::size_t>(1, a.size() - 1));
   trial.held_out_error = std::sqrt(variance * static_cast<double>(a.size()));
   const double gain = earlier.chi2 - after.chi2;
   const double share = earlier.left_out.sum() / static_cast<double>(earlier.left_out.size());
   const double above_noise = std::max(0.0, earlier.chi2 - expected_chi2 * share);
-  if (gain < trial.held_out_error) return "on left-out " + folds.kind + " the gain is within its own standard error";
+  if (gain < trial.held_out_error)
+    return "on left-out " + folds.kind + " the gain is within its own standard error";
   if (gain < 0.05 * above_noise)
     return "on left-out " + folds.kind + " it gains less than 5 % of what is above the noise";
   return "";
 }
 
-/// The hardest kind of left-out data that can judge the trial counts: at least two folds of it in which the rest of the
-/// data determine what the effect does to what is left out. A protocol that alone shows an effect cannot be foretold
-/// without it, and its fold says nothing.
-void check_held_out(Trial& trial, const Reference& before, const DataPointer& data, double expected_chi2) {
+/// The hardest kind of left-out data that can judge the trial counts: at least two folds of it in
+/// which the rest of the data determine what the effect does to what is left out. A protocol that
+/// alone shows an effect cannot be foretold without it, and its fold says nothing.
+void check_held_out(Trial& trial, const Reference& before, const DataPointer& data,
+                    double expected_chi2) {
   auto larger = estimation::Evaluator::make(trial.model, data);
   auto smaller = estimation::Evaluator::make(before.model, data);
   std::string objection = "there is nothing that could be left out";
   for (const std::string& kind : estimation::fold_kinds()) {
     estimation::Folds folds = estimation::make_folds(*data, larger->rows(), kind);
-    estimation::keep_determined(folds, trial.fit, before.fit);
+    estimation::keep_determined(folds, trial.fit,
+                                estimation::added_parameters(trial.model, before.model));
     if (folds.training.size() < 2) continue;
     objection = held_out_objection(trial, before, data, expected_chi2, folds, *larger, *smaller);
     break;
@@ -250,13 +264,15 @@ void judge(Trial& trial, const Reference& before, const DataPointer& data, doubl
   }
   const double rows = std::max(trial.fit.effective_rows, before.fit.effective_rows);
   const int added = std::max(1, trial.parameters - free_count(before.model));
-  trial.p_value =
-      std::min(1.0, trial.variant.searched * f_test(before.fit.chi2, trial.fit.chi2, added, trial.parameters, rows));
+  trial.p_value = std::min(1.0, trial.variant.searched * f_test(before.fit.chi2, trial.fit.chi2,
+                                                                added, trial.parameters, rows));
   trial.explained = explained_share(before.fit.chi2, trial.fit.chi2, expected_chi2);
   constexpr double kSmallest = 0.05;  // of the noise's power: what is smaller matters to nobody
   if (before.fit.chi2 - trial.fit.chi2 < kSmallest * expected_chi2)
     trial.objections.push_back("what it explains is far below the noise");
-  if (trial.p_value >= 1e-3) trial.objections.push_back("an F test on independent rows gives it p = " + std::to_string(trial.p_value));
+  if (trial.p_value >= 1e-3)
+    trial.objections.push_back("an F test on independent rows gives it p = " +
+                               std::to_string(trial.p_value));
   check_parameters(trial);
   if (!trial.effect->in_every_run) check_step(trial, before, data->rows());
   if (!trial.effect->in_every_run || !trial.objections.empty()) return;

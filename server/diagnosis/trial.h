@@ -15,17 +15,17 @@ struct Trial {
   const Effect* effect = nullptr;
   DataPointer data;
   Variant variant;
-  model::Model model;            ///< fitted
+  model::Model model;  ///< fitted
   estimation::FitResult fit;
   std::vector<double> block_chi2;
-  int parameters = 0;            ///< free ones
-  double ratio = 0.0;            ///< of the screen
-  double explained = 0.0;        ///< share of what the model before missed beyond the noise
-  double p_value = 1.0;          ///< F test against the model before, on effectively independent rows
+  int parameters = 0;      ///< free ones
+  double ratio = 0.0;      ///< of the screen
+  double explained = 0.0;  ///< share of what the model before missed beyond the noise
+  double p_value = 1.0;    ///< F test against the model before, on effectively independent rows
   double held_out_before = 0.0;  ///< chi2 on the same folds
   double held_out_after = 0.0;
-  double held_out_error = 0.0;   ///< standard error of the difference, over blocks
-  std::string folds;             ///< what was left out
+  double held_out_error = 0.0;          ///< standard error of the difference, over blocks
+  std::string folds;                    ///< what was left out
   std::vector<std::string> objections;  ///< gates that it fails, in words; empty: it passes
 };
 
@@ -39,14 +39,15 @@ struct Reference {
 /// Refits; `usable` of the fit says whether it went well.
 Trial refit(const Candidate& candidate, const model::Model& base, const DataPointer& data);
 
-std::vector<double> chi2_by_block(const std::vector<estimation::Row>& rows, const Eigen::VectorXd& residuals,
-                                  int blocks);
+std::vector<double> chi2_by_block(const std::vector<estimation::Row>& rows,
+                                  const Eigen::VectorXd& residuals, int blocks);
 
-/// p of the hypothesis that the added parameters explain nothing: F with `rows` independent observations.
+/// p of the hypothesis that the added parameters explain nothing: F with `rows` independent
+/// observations.
 double f_test(double chi2_before, double chi2_after, int added, int parameters, double rows);
 
-/// Information criterion on `rows` independent observations, with a penalty for the size of the catalogue for each
-/// added effect (extended BIC). Smaller is better.
+/// Information criterion on `rows` independent observations, with a penalty for the size of the
+/// catalogue for each added effect (extended BIC). Smaller is better.
 double information(double chi2, int parameters, int added_effects, double rows);
 
 /// Fills p_value, the held-out scores and the objections.

@@ -19,15 +19,18 @@ std::string percent(double share) {
   return text;
 }
 
-/// Rivals that do as well as the effect in the extended model: twice the log evidence that speaks against each is small.
-std::vector<std::string> equals_of(const Diagnosis& d, const std::string& effect, const std::vector<Trial>& rivals) {
+/// Rivals that do as well as the effect in the extended model: twice the log evidence that speaks
+/// against each is small.
+std::vector<std::string> equals_of(const Diagnosis& d, const std::string& effect,
+                                   const std::vector<Trial>& rivals) {
   constexpr double kDecisive = 10.0;
   std::vector<std::string> equals;
   std::set<std::string> tried;
   for (const Trial& rival : rivals) {
     if (tried.contains(rival.effect->id) || rival.effect->id == effect) continue;
     if (holds(d.extended.model, rival.effect->id)) continue;
-    auto swapped = make_reference(with_rival(without(d.extended.model, effect, d.baseline.model), rival), d.data, {});
+    auto swapped = make_reference(
+        with_rival(without(d.extended.model, effect, d.baseline.model), rival), d.data, {});
     if (!swapped) continue;
     const double rows = std::max(swapped->fit.effective_rows, d.extended.fit.effective_rows);
     const double evidence = information(swapped->fit.chi2, free_count(swapped->model), 0, rows) -
@@ -39,7 +42,8 @@ std::vector<std::string> equals_of(const Diagnosis& d, const std::string& effect
 }
 
 bool is_rate_question(const std::string& effect) {
-  return effect == "internal_friction" || effect == "strain_dependent_friction" || effect == "viscosity";
+  return effect == "internal_friction" || effect == "strain_dependent_friction" ||
+         effect == "viscosity";
 }
 
 std::string list_words(const std::vector<std::string>& ids) {
@@ -51,8 +55,9 @@ std::string list_words(const std::vector<std::string>& ids) {
   return words;
 }
 
-Verdict verdict_for(const Diagnosis& d, const std::string& id, const std::vector<const Finding*>& findings,
-                    const Excitation& excitation, unsigned long long seed) {
+Verdict verdict_for(const Diagnosis& d, const std::string& id,
+                    const std::vector<const Finding*>& findings, const Excitation& excitation,
+                    unsigned long long seed) {
   const Effect& effect = *find_effect(id);
   Verdict verdict;
   verdict.effect = id;
@@ -60,7 +65,8 @@ Verdict verdict_for(const Diagnosis& d, const std::string& id, const std::vector
 
   auto reduced = make_reference(without(d.extended.model, id, d.baseline.model), d.data, {});
   const Eigen::VectorXd& rest = reduced ? reduced->fit.residuals : d.baseline.fit.residuals;
-  const SizeInterval size = size_between(*d.data, d.data->rows(), rest, d.extended.fit.residuals, seed);
+  const SizeInterval size =
+      size_between(*d.data, d.data->rows(), rest, d.extended.fit.residuals, seed);
   verdict.size = size.size;
   verdict.size_lo = size.lo;
   verdict.size_hi = size.hi;
@@ -71,7 +77,8 @@ Verdict verdict_for(const Diagnosis& d, const std::string& id, const std::vector
   // physics, not statistics: at one rate without a hold Maxwell equals Dahl
   if (is_rate_question(id) && !excitation.splits_rate()) {
     const std::string other = id == "viscosity" ? "internal_friction" : "viscosity";
-    if (std::find(verdict.alternatives.begin(), verdict.alternatives.end(), other) == verdict.alternatives.end())
+    if (std::find(verdict.alternatives.begin(), verdict.alternatives.end(), other) ==
+        verdict.alternatives.end())
       verdict.alternatives.push_back(other);
   }
   if (effect.needs_rate && !excitation.has_rate && verdict.alternatives.empty())
@@ -87,9 +94,11 @@ Verdict verdict_for(const Diagnosis& d, const std::string& id, const std::vector
   } else {
     verdict.kind = effect.kind == Effect::Kind::sensor ? VerdictKind::sensor : VerdictKind::named;
   }
-  words += ". It accounts for " + percent(verdict.size) + " of the force";
+  words += ". It accounts for " + percent(verdict.size) +
+           (size.of_force ? " of the force" : " of the free stretch");
   std::string variants;
-  for (const Finding* f : findings) variants += (variants.empty() ? " (" : "; ") + f->trial.variant.words;
+  for (const Finding* f : findings)
+    variants += (variants.empty() ? " (" : "; ") + f->trial.variant.words;
   words += variants + ")";
   const Trial& first = findings.front()->trial;
   if (first.held_out_before > 0.0)
@@ -118,7 +127,9 @@ void add_outliers(Diagnosis& d) {
   for (const estimation::Outlier& o : d.outliers) {
     worst = std::max(worst, o.score);
     error += o.deviation * o.deviation;
-    ++by_channel[d.curves[static_cast<std::size_t>(o.curve)].channels[static_cast<std::size_t>(o.channel)].name];
+    ++by_channel[d.curves[static_cast<std::size_t>(o.curve)]
+                     .channels[static_cast<std::size_t>(o.channel)]
+                     .name];
   }
   for (const estimation::Curves& c : d.curves) {
     for (const auto& channel : c.channels) {
@@ -130,12 +141,15 @@ void add_outliers(Diagnosis& d) {
   verdict.size = power > 0.0 ? std::sqrt(error / power) : 0.0;
   verdict.size_lo = verdict.size_hi = verdict.size;
   // chance that the largest of so many normal readings lies so far out
-  verdict.p_value = std::min(1.0, static_cast<double>(readings) * std::erfc(worst / std::sqrt(2.0)));
+  verdict.p_value =
+      std::min(1.0, static_cast<double>(readings) * std::erfc(worst / std::sqrt(2.0)));
   verdict.words = std::to_string(d.outliers.size()) + " of " + std::to_string(readings) +
                   " readings stand alone far from their neighbours and were left out of the fits:";
-  for (const auto& [name, count] : by_channel) verdict.words += " " + std::to_string(count) + " in " + name + ",";
+  for (const auto& [name, count] : by_channel)
+    verdict.words += " " + std::to_string(count) + " in " + name + ",";
   verdict.words.back() = '.';
-  verdict.evidence = {{"count", static_cast<double>(d.outliers.size())}, {"largest_robust_score", worst}};
+  verdict.evidence = {{"count", static_cast<double>(d.outliers.size())},
+                      {"largest_robust_score", worst}};
   d.verdicts.push_back(std::move(verdict));
 }
 
@@ -150,20 +164,25 @@ void add_unexplained(Diagnosis& d, bool anything_found) {
     d.unexplained_share = 0.0;
     if (anything_found) return;
     Verdict verdict;
-    verdict.words = "Nothing found: what the model misses is no larger than the noise, " + percent(d.noise_floor) +
-                    " of the force.";
+    verdict.words = "Nothing found: what the model misses is no larger than the noise, " +
+                    percent(d.noise_floor) + " of the force.";
     d.verdicts.push_back(std::move(verdict));
     return;
   }
   Verdict verdict;
   verdict.kind = VerdictKind::unexplained;
-  verdict.size = std::sqrt(std::max(0.0, d.after.error * d.after.error - d.noise_floor * d.noise_floor));
+  verdict.size =
+      std::sqrt(std::max(0.0, d.after.error * d.after.error - d.noise_floor * d.noise_floor));
   verdict.size_lo = verdict.size_hi = verdict.size;
-  verdict.words = percent(d.unexplained_share) +
-                  " of what the baseline missed beyond the noise is explained by no effect of the catalogue; " +
-                  percent(verdict.size) + " of the force.";
-  if (irreproducible(d)) verdict.words += " Repeats of the same path differ smoothly by far more than neighbouring samples scatter.";
-  verdict.evidence = {{"lack_of_fit", last.lack_of_fit}, {"unexplained_share", d.unexplained_share}};
+  verdict.words =
+      percent(d.unexplained_share) +
+      " of what the baseline missed beyond the noise is explained by no effect of the catalogue; " +
+      percent(verdict.size) + " of the force.";
+  if (irreproducible(d))
+    verdict.words +=
+        " Repeats of the same path differ smoothly by far more than neighbouring samples scatter.";
+  verdict.evidence = {{"lack_of_fit", last.lack_of_fit},
+                      {"unexplained_share", d.unexplained_share}};
   d.verdicts.push_back(std::move(verdict));
 }
 
@@ -173,7 +192,8 @@ void add_not_excited(Diagnosis& d, const std::set<std::string>& found) {
     Verdict verdict;
     verdict.kind = VerdictKind::not_excited;
     verdict.effect = row.effect->id;
-    verdict.words = "These captures cannot show " + row.effect->words + " (" + row.status.substr(13) + ").";
+    verdict.words =
+        "These captures cannot show " + row.effect->words + " (" + row.status.substr(13) + ").";
     verdict.next_protocol = row.effect->split_by;
     d.verdicts.push_back(std::move(verdict));
   }
@@ -184,23 +204,28 @@ void add_not_excited(Diagnosis& d, const std::set<std::string>& found) {
 double noise_chi2(const Diagnosis& d) {
   double white = 0.0;
   for (const estimation::Row& row : d.data->rows()) {
-    const auto& noise = d.noise.channels[static_cast<std::size_t>(row.curve)][static_cast<std::size_t>(row.channel)];
+    const auto& noise =
+        d.noise
+            .channels[static_cast<std::size_t>(row.curve)][static_cast<std::size_t>(row.channel)];
     white += std::pow(noise.scatter_sigma / noise.sigma, 2);
   }
-  return irreproducible(d) ? std::min(white, d.first_screen.expected_chi2) : d.first_screen.expected_chi2;
+  return irreproducible(d) ? std::min(white, d.first_screen.expected_chi2)
+                           : d.first_screen.expected_chi2;
 }
 
 bool irreproducible(const Diagnosis& d) {
   constexpr double kSmooth = 3.0;
   for (const auto& channels : d.noise.channels)
     for (const estimation::ChannelNoise& noise : channels)
-      if (noise.repeat_sigma > kSmooth * noise.scatter_sigma && noise.scatter_sigma > 0.0) return true;
+      if (noise.repeat_sigma > kSmooth * noise.scatter_sigma && noise.scatter_sigma > 0.0)
+        return true;
   return false;
 }
 
 bool lacks_fit_still(const Diagnosis& d) {
   const double expected = noise_chi2(d);
-  return (d.last_screen.lack_of_fit > 1.0 || irreproducible(d)) && d.extended.fit.chi2 > 1.1 * expected;
+  return (d.last_screen.lack_of_fit > 1.0 || irreproducible(d)) &&
+         d.extended.fit.chi2 > 1.1 * expected;
 }
 
 const char* verdict_name(VerdictKind kind) {

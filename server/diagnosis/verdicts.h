@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From findings to verdicts in words: named, ambiguous, sensor, not excited, unexplained (design, step 9).
+// From findings to verdicts in words: named, ambiguous, sensor, not excited, unexplained (design,
+// step 9).
 #pragma once
 
 #include "server/diagnosis/diagnose.h"
@@ -16,8 +17,8 @@ struct Finding {
 void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Excitation& excitation,
                    unsigned long long seed);
 
-/// chi2 that the noise alone would leave: that of the null twins, or of neighbouring samples' scatter where repeats
-/// differ by much more than that and so hide something that is no noise.
+/// chi2 that the noise alone would leave: that of the null twins, or of neighbouring samples'
+/// scatter where repeats differ by much more than that and so hide something that is no noise.
 double noise_chi2(const Diagnosis& d);
 /// Repeats differ smoothly by far more than neighbouring samples scatter.
 bool irreproducible(const Diagnosis& d);

@@ -39,13 +39,15 @@ std::vector<double> point_distance(const Capture& capture, const std::string& a,
 }
 
 /// Lengths to stretches by the reference that the axis declares.
-void divide_by_reference(const Capture& capture, const AxisState& axis, std::vector<double>& length) {
+void divide_by_reference(const Capture& capture, const AxisState& axis,
+                         std::vector<double>& length) {
   double reference = axis.reference_length_m;
   int run = -1;
   for (std::size_t f = 0; f < length.size(); ++f) {
-    const bool first = axis.reference == AxisState::Reference::first_frame_of_run
-                           ? capture.run[f] != run
-                           : axis.reference == AxisState::Reference::first_frame_of_capture && f == 0;
+    const bool first =
+        axis.reference == AxisState::Reference::first_frame_of_run
+            ? capture.run[f] != run
+            : axis.reference == AxisState::Reference::first_frame_of_capture && f == 0;
     if (first) reference = length[f];
     run = capture.run[f];
     length[f] /= reference;
@@ -104,8 +106,9 @@ int component_index(const std::string& name) {
   return name == "xy" ? 2 : -1;
 }
 
-/// A time for every frame that never falls over the session, and the duration of each step. Without a clock the path
-/// length over the declared rate stands for it, or over one per cent a second where not even that is known.
+/// A time for every frame that never falls over the session, and the duration of each step. Without
+/// a clock the path length over the declared rate stands for it, or over one per cent a second
+/// where not even that is known.
 void make_clock(const Capture& capture, const std::vector<int>& kept, Curves& curves) {
   const auto n = kept.size();
   curves.clock_s.assign(n, 0.0);
@@ -117,7 +120,8 @@ void make_clock(const Capture& capture, const std::vector<int>& kept, Curves& cu
   double shift = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
     const auto f = static_cast<std::size_t>(kept[i]);
-    const bool starts = i == 0 || capture.run[f] != capture.run[static_cast<std::size_t>(kept[i - 1])];
+    const bool starts =
+        i == 0 || capture.run[f] != capture.run[static_cast<std::size_t>(kept[i - 1])];
     if (curves.time_base == TimeBase::clock) {
       const double t = capture.time_s[f];
       // a clock that restarts with the run goes on where the run before ended
@@ -134,7 +138,8 @@ void make_clock(const Capture& capture, const std::vector<int>& kept, Curves& cu
   }
 }
 
-/// A run goes on from the one before where the specimen continues and the imposed strain does not jump.
+/// A run goes on from the one before where the specimen continues and the imposed strain does not
+/// jump.
 void mark_starts(const Capture& capture, Curves& curves) {
   const auto n = curves.path.q.size();
   curves.path.start.assign(n, mechanics::FrameStart::next);
@@ -169,12 +174,14 @@ void make_runs_and_blocks(const Capture& capture, const std::vector<int>& kept, 
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const auto f = static_cast<std::size_t>(kept[i]);
     const capture::Run& run = capture.runs[static_cast<std::size_t>(capture.run[f])];
-    const bool new_run = i == 0 || capture.run[f] != capture.run[static_cast<std::size_t>(kept[i - 1])];
+    const bool new_run =
+        i == 0 || capture.run[f] != capture.run[static_cast<std::size_t>(kept[i - 1])];
     if (new_run) {
       CurveRun entry;
       entry.number = run.number;
       // without a group of its own a run can still be repeated by the same run of another capture
-      entry.group = repeated + (run.group.empty() ? "#" + std::to_string(curves.runs.size() + 1) : run.group);
+      entry.group =
+          repeated + (run.group.empty() ? "#" + std::to_string(curves.runs.size() + 1) : run.group);
       entry.first = static_cast<int>(i);
       curves.runs.push_back(entry);
     }
@@ -222,7 +229,8 @@ Expected<Curves> make_curves(const Capture& capture, const std::string& id) {
     for (int i = 0; i < 3; ++i) {
       if (axes[i]->role == AxisState::Role::fixed) q[i] = axes[i]->fixed_value;
       if (axes[i]->role == AxisState::Role::prescribed) q[i] = values[i][f];
-      if (axes[i]->role == AxisState::Role::observed && std::isfinite(values[i][f])) q[i] = values[i][f];
+      if (axes[i]->role == AxisState::Role::observed && std::isfinite(values[i][f]))
+        q[i] = values[i][f];
       usable = usable && std::isfinite(q[i]);
     }
     if (!usable || q[0] <= 0.0 || q[1] <= 0.0) {
@@ -234,7 +242,8 @@ Expected<Curves> make_curves(const Capture& capture, const std::string& id) {
     curves.path.q.push_back(q);
     curves.frame.push_back(capture.frame[f]);
   }
-  if (kept.size() < 3) return bad_input(capture.title + ": fewer than three frames have a usable strain");
+  if (kept.size() < 3)
+    return bad_input(capture.title + ": fewer than three frames have a usable strain");
   make_runs_and_blocks(capture, kept, curves);
   make_clock(capture, kept, curves);
   mark_starts(capture, curves);
@@ -269,15 +278,17 @@ Expected<Curves> make_curves(const Capture& capture, const std::string& id) {
     observed.unit = "1";
     observed.component = i;
     observed.is_stress = false;
-    const Channel* channel = axes[i]->source == AxisState::Source::channel ? capture.find(axes[i]->channel) : nullptr;
-    if (channel && (channel->quantity == Quantity::stretch || channel->quantity == Quantity::strain ||
-                    channel->quantity == Quantity::shear))
+    const Channel* channel =
+        axes[i]->source == AxisState::Source::channel ? capture.find(axes[i]->channel) : nullptr;
+    if (channel && (channel->quantity == Quantity::stretch ||
+                    channel->quantity == Quantity::strain || channel->quantity == Quantity::shear))
       observed.sigma = channel->sigma;
     for (const int f : kept) observed.measured.push_back(values[i][static_cast<std::size_t>(f)]);
     curves.channels.push_back(std::move(observed));
   }
   if (curves.channels.empty())
-    return bad_input(capture.title + ": no stress and no free stretch was measured, there is nothing to fit");
+    return bad_input(capture.title +
+                     ": no stress and no free stretch was measured, there is nothing to fit");
   return curves;
 }
 
@@ -301,7 +312,8 @@ Curves thin(const Curves& curves, int max_frames, const std::vector<std::vector<
     result.blocks[b].first = static_cast<int>(result.path.q.size());
     for (int piece = 0; piece < pieces; ++piece) {
       const int from = block.first + static_cast<int>(static_cast<long>(length) * piece / pieces);
-      const int to = block.first + static_cast<int>(static_cast<long>(length) * (piece + 1) / pieces);
+      const int to =
+          block.first + static_cast<int>(static_cast<long>(length) * (piece + 1) / pieces);
       Eigen::Vector3d q = Eigen::Vector3d::Zero();
       double clock = 0.0;
       for (int f = from; f < to; ++f) {
@@ -321,8 +333,9 @@ Curves thin(const Curves& curves, int max_frames, const std::vector<std::vector<
       result.path.start.push_back(start);
       const auto i = result.clock_s.size() - 1;
       const bool starts_run = from == curves.runs[static_cast<std::size_t>(block.run)].first;
-      const bool no_step = i == 0 || start != mechanics::FrameStart::next ||
-                           (starts_run && curves.path.duration_s[static_cast<std::size_t>(from)] == 0.0);
+      const bool no_step =
+          i == 0 || start != mechanics::FrameStart::next ||
+          (starts_run && curves.path.duration_s[static_cast<std::size_t>(from)] == 0.0);
       result.path.duration_s.push_back(no_step ? 0.0 : result.clock_s[i] - result.clock_s[i - 1]);
       for (std::size_t c = 0; c < curves.channels.size(); ++c) {
         double sum = 0.0;

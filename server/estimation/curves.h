@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A capture as the estimator sees it: the strain path that drives the model and the observations that it must meet.
+// A capture as the estimator sees it: the strain path that drives the model and the observations
+// that it must meet.
 //
-// Observed are the nominal membrane stresses (N/m) of the components that a force-like channel is assigned to, and the
-// stretches of free directions that were measured. Force becomes N/m by the specimen's width, stress by its thickness.
+// Observed are the nominal membrane stresses (N/m) of the components that a force-like channel is
+// assigned to, and the stretches of free directions that were measured. Force becomes N/m by the
+// specimen's width, stress by its thickness.
 //
-//   block  frames whose errors belong together: one branch (loading, unloading, hold) of one run. The unit of counting,
+//   block  frames whose errors belong together: one branch (loading, unloading, hold) of one run.
+//   The unit of counting,
 //          of splitting and of bootstrapping.
 //
 // Frames in which an imposed strain is missing are dropped and counted.
@@ -28,14 +31,14 @@ struct ObservedChannel {
   bool is_stress = true;  ///< else a stretch
   double sigma = 0.0;     ///< standard deviation that the capture declares; 0: none
   double resolution = 0.0;
-  std::vector<double> measured;  ///< NaN where missing
+  std::vector<double> measured;         ///< NaN where missing
   std::vector<double> sigma_per_frame;  ///< empty unless the capture has one per frame
 };
 
 struct Block {
-  int run = 0;                 ///< index into Curves::runs
+  int run = 0;  ///< index into Curves::runs
   capture::Branch branch = capture::Branch::other;
-  int first = 0;               ///< kept frames [first, last)
+  int first = 0;  ///< kept frames [first, last)
   int last = 0;
 };
 
@@ -54,9 +57,11 @@ struct Curves {
   std::string title;
   mechanics::StrainPath path;
   TimeBase time_base = TimeBase::none;
-  std::vector<double> clock_s;  ///< session clock, never falling; pseudo-time where there is no time base
-  std::vector<int> frame;       ///< number as in the source
-  std::vector<int> origin;      ///< index of the frame (of the first of them, where thinned) among all kept frames
+  std::vector<double>
+      clock_s;  ///< session clock, never falling; pseudo-time where there is no time base
+  std::vector<int> frame;  ///< number as in the source
+  std::vector<int>
+      origin;  ///< index of the frame (of the first of them, where thinned) among all kept frames
   std::vector<int> block_of;
   std::vector<Block> blocks;
   std::vector<CurveRun> runs;
@@ -69,8 +74,8 @@ struct Curves {
 /// bad_input where the capture holds nothing that a material point can meet.
 Expected<Curves> make_curves(const capture::Capture& capture, const std::string& id);
 
-/// At most `max_frames` frames a block, each the mean of its neighbours; entries with zero weight (same layout as the
-/// channels) are left out of the means. Blocks, runs and time are kept.
+/// At most `max_frames` frames a block, each the mean of its neighbours; entries with zero weight
+/// (same layout as the channels) are left out of the means. Blocks, runs and time are kept.
 Curves thin(const Curves& curves, int max_frames, const std::vector<std::vector<bool>>& left_out);
 
 /// Components that move, as a list of letters for messages ("x", "xy").

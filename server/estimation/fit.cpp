@@ -11,7 +11,8 @@
 namespace tenter::estimation {
 namespace {
 
-/// All rows as one Ceres cost of one parameter block: the free parameters, each divided by its scale.
+/// All rows as one Ceres cost of one parameter block: the free parameters, each divided by its
+/// scale.
 class AllRows final : public ceres::CostFunction {
  public:
   AllRows(Evaluator& evaluator, Eigen::VectorXd& all, const std::vector<int>& free,
@@ -75,8 +76,10 @@ bool is_at_bound(const model::Parameter& p, double value) {
   return p.upper && *p.upper - value <= slack;
 }
 
-/// A start at which the model has an equilibrium: where it has none, couplings that may take either sign are weakened.
-bool find_start(Evaluator& evaluator, const std::vector<const model::Parameter*>& parameters, Eigen::VectorXd& all) {
+/// A start at which the model has an equilibrium: where it has none, couplings that may take either
+/// sign are weakened.
+bool find_start(Evaluator& evaluator, const std::vector<const model::Parameter*>& parameters,
+                Eigen::VectorXd& all) {
   const Eigen::VectorXd wanted = all;
   Eigen::VectorXd residuals;
   for (const double share : {1.0, 0.3, 0.1, 0.0}) {
@@ -120,8 +123,10 @@ void describe(const std::vector<const model::Parameter*>& parameters, const std:
     j.col(c) /= norms[c];
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(j.transpose() * j);
-  // directions in which the data say nothing are left out of the covariance; parameters that lie in them are flat
-  static constexpr double kFlat = 1e-9;  // share of the largest eigenvalue of the scaled normal matrix
+  // directions in which the data say nothing are left out of the covariance; parameters that lie in
+  // them are flat
+  static constexpr double kFlat =
+      1e-9;  // share of the largest eigenvalue of the scaled normal matrix
   const double largest = eigen.eigenvalues()[m - 1];
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(m, m);
   Eigen::VectorXd unseen = Eigen::VectorXd::Zero(m);
@@ -132,7 +137,8 @@ void describe(const std::vector<const model::Parameter*>& parameters, const std:
     else
       unseen += direction.cwiseAbs2();
   }
-  // one sigma of a row stands for rows/effective_rows of them, and more where the model's form is wrong
+  // one sigma of a row stands for rows/effective_rows of them, and more where the model's form is
+  // wrong
   const double used = weights.sum();
   const double inflation = std::max(1.0, result.chi2 / std::max(1.0, used)) * used /
                            std::max(1.0, result.effective_rows - static_cast<double>(m));
@@ -226,7 +232,8 @@ double effective_rows(const std::vector<Row>& rows, const Eigen::VectorXd& resid
     x.clear();
     while (last < rows.size() && rows[last].block == rows[first].block &&
            rows[last].channel == rows[first].channel && rows[last].curve == rows[first].curve) {
-      if (weights[static_cast<Eigen::Index>(last)] > 0.0) x.push_back(residuals[static_cast<Eigen::Index>(last)]);
+      if (weights[static_cast<Eigen::Index>(last)] > 0.0)
+        x.push_back(residuals[static_cast<Eigen::Index>(last)]);
       ++last;
     }
     first = last;
@@ -235,8 +242,8 @@ double effective_rows(const std::vector<Row>& rows, const Eigen::VectorXd& resid
     double variance = 0.0;
     for (const double v : x) variance += v * v;
     double time = 1.0;
-    // sum pairs of lags while they are positive (Geyer's initial positive sequence); the mean is kept in: a residual
-    // that keeps its sign over the block is one piece of evidence
+    // sum pairs of lags while they are positive (Geyer's initial positive sequence); the mean is
+    // kept in: a residual that keeps its sign over the block is one piece of evidence
     for (std::size_t lag = 1; lag + 1 < n && variance > 0.0; lag += 2) {
       double pair = 0.0;
       for (std::size_t k = lag; k <= lag + 1; ++k)

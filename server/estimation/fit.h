@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bounded least squares of a model's free parameters to a data set (Ceres, trust region), with covariance and a word
-// for each parameter.
+// Bounded least squares of a model's free parameters to a data set (Ceres, trust region), with
+// covariance and a word for each parameter.
 //
 //   cost = sum over rows  weight * r^2,   r = (predicted - measured) / sigma
 //
-// A point where the model finds no equilibrium shortens the step, it does not end the fit. Deterministic, one thread.
+// A point where the model finds no equilibrium shortens the step, it does not end the fit.
+// Deterministic, one thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +19,7 @@ namespace tenter::estimation {
 
 enum class ParameterState {
   free,
-  fixed,          ///< by the document
+  fixed,  ///< by the document
   at_bound,
   zero_gradient,  ///< nothing in the data moves with it
   flat            ///< moved freely but the data do not determine it
@@ -33,33 +34,35 @@ struct FitOptions {
 };
 
 struct FitResult {
-  bool usable = false;     ///< parameters are at a finite cost
+  bool usable = false;  ///< parameters are at a finite cost
   bool converged = false;
-  bool stopped = false;    ///< by on_iteration
+  bool stopped = false;  ///< by on_iteration
   std::string message;
   int iterations = 0;
-  double chi2 = 0.0;       ///< sum of weighted squared residuals
+  double chi2 = 0.0;           ///< sum of weighted squared residuals
   Eigen::VectorXd parameters;  ///< all, flat
   Eigen::VectorXd residuals;   ///< of all rows, also those of weight zero
   RowMatrix jacobian;          ///< rows x all parameters, at the optimum
   std::vector<ParameterState> states;
-  Eigen::VectorXd std_error;   ///< zero where not free
-  RowMatrix correlation;       ///< of the free parameters at their places, zero elsewhere
-  double effective_rows = 0.0; ///< rows that count as independent
+  Eigen::VectorXd std_error;    ///< zero where not free
+  RowMatrix correlation;        ///< of the free parameters at their places, zero elsewhere
+  double effective_rows = 0.0;  ///< rows that count as independent
 };
 
-/// Starts from the model's values. Spline laws without a range must have been given one (see adapt_spline_ranges).
+/// Starts from the model's values. Spline laws without a range must have been given one (see
+/// adapt_spline_ranges).
 FitResult fit(Evaluator& evaluator, const model::Model& start, const FitOptions& options);
 
-/// Rows that count as independent: per block and channel, samples over twice the integrated autocorrelation time of
-/// the residuals, at least one each (weights zero are skipped).
+/// Rows that count as independent: per block and channel, samples over twice the integrated
+/// autocorrelation time of the residuals, at least one each (weights zero are skipped).
 double effective_rows(const std::vector<Row>& rows, const Eigen::VectorXd& residuals,
                       const Eigen::VectorXd& weights);
 
 /// Puts values, standard errors and 95 % intervals into the model.
 void store(const FitResult& result, model::Model& model);
 
-/// Gives every spline law with equal bounds the range of strain that the data reach under the measured stretches.
+/// Gives every spline law with equal bounds the range of strain that the data reach under the
+/// measured stretches.
 void adapt_spline_ranges(model::Model& model, const std::vector<Curves>& curves);
 
 /// Range of one strain measure over the measured stretches (its first strain).

@@ -2,6 +2,7 @@
 #include "server/estimation/hold_out.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -20,7 +21,8 @@ int fold_label(const DataSet& data, const Row& row, const std::string& kind,
   if (kind == "protocols")
     key = curves.runs[static_cast<std::size_t>(run)].group;
   else if (kind == "repeats")
-    key = std::to_string(order_in_group[static_cast<std::size_t>(row.curve)][static_cast<std::size_t>(run)]);
+    key = std::to_string(
+        order_in_group[static_cast<std::size_t>(row.curve)][static_cast<std::size_t>(run)]);
   else if (kind == "runs")
     key = std::to_string(row.curve) + "/" + std::to_string(run);
   else
@@ -59,35 +61,57 @@ Folds make_folds(const DataSet& data, const std::vector<Row>& rows, const std::s
   return folds;
 }
 
-void keep_determined(Folds& folds, const FitResult& larger, const FitResult& smaller) {
-  constexpr double kWorstShare = 0.5;
-  std::vector<Eigen::Index> moving;
-  for (std::size_t i = 0; i < larger.states.size(); ++i)
-    if (larger.states[i] == ParameterState::free || larger.states[i] == ParameterState::flat)
-      moving.push_back(static_cast<Eigen::Index>(i));
-  if (moving.empty()) return;
-  const auto m = static_cast<Eigen::Index>(moving.size());
-  Eigen::MatrixXd j(larger.residuals.size(), m);
-  for (Eigen::Index c = 0; c < m; ++c) {
-    j.col(c) = larger.jacobian.col(moving[static_cast<std::size_t>(c)]);
-    j.col(c) /= j.col(c).norm();
+std::vector<std::size_t> added_parameters(const model::Model& larger, const model::Model& smaller) {
+  const auto all = parameter_names(larger);
+  const auto known = parameter_names(smaller);
+  const auto all_parameters = parameters_of(larger);
+  const auto known_parameters = parameters_of(smaller);
+  std::vector<std::size_t> added;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto place = std::find(known.begin(), known.end(), all[i]);
+    const bool was_free = place != known.end() &&
+                          !known_parameters[static_cast<std::size_t>(place - known.begin())]->fixed;
+    if (!all_parameters[i]->fixed && !was_free) added.push_back(i);
   }
-  const double unit = larger.chi2 / std::max(1.0, larger.effective_rows - static_cast<double>(m));
+  return added;
+}
+
+void keep_determined(Folds& folds, const FitResult& larger, const std::vector<std::size_t>& added) {
+  constexpr double kLeastShare = 1.0 / 6.0;
+  const auto moves = [&](std::size_t i) {
+    return larger.states[i] == ParameterState::free || larger.states[i] == ParameterState::flat;
+  };
+  std::vector<Eigen::Index> columns;
+  for (const std::size_t i : added)
+    if (moves(i)) columns.push_back(static_cast<Eigen::Index>(i));
+  const auto s = static_cast<Eigen::Index>(columns.size());
+  if (s == 0) return;
+  for (std::size_t i = 0; i < larger.states.size(); ++i)
+    if (moves(i) && std::find(added.begin(), added.end(), i) == added.end())
+      columns.push_back(static_cast<Eigen::Index>(i));
+  const auto m = static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd j(larger.residuals.size(), m);
+  Eigen::VectorXd value(s);
+  for (Eigen::Index c = 0; c < m; ++c) {
+    const Eigen::Index i = columns[static_cast<std::size_t>(c)];
+    const double norm = larger.jacobian.col(i).norm();
+    j.col(c) = larger.jacobian.col(i) / norm;
+    if (c < s) value[c] = larger.parameters[i] * norm;
+  }
+  // information of the added parameters with the others free: the Schur complement of the normal
+  // matrix
+  const auto wald = [&](const Eigen::MatrixXd& normal) {
+    if (s == m) return value.dot(normal * value);
+    Eigen::MatrixXd others = normal.bottomRightCorner(m - s, m - s);
+    others.diagonal().array() += 1e-9;
+    const Eigen::MatrixXd cross = normal.bottomLeftCorner(m - s, s);
+    const Eigen::MatrixXd schur =
+        normal.topLeftCorner(s, s) - cross.transpose() * others.ldlt().solve(cross);
+    return value.dot(schur * value);
+  };
+  const double whole = wald(j.transpose() * j);
   std::erase_if(folds.training, [&](const Eigen::VectorXd& training) {
-    Eigen::MatrixXd normal = j.transpose() * training.asDiagonal() * j;
-    normal.diagonal().array() += 1e-9;
-    const Eigen::LDLT<Eigen::MatrixXd> factor(normal);
-    double variance = 0.0;
-    double change = 0.0;
-    double missed = 0.0;
-    for (Eigen::Index r = 0; r < j.rows(); ++r) {
-      if (training[r] > 0.0) continue;
-      const Eigen::VectorXd x = j.row(r).transpose();
-      variance += unit * x.dot(factor.solve(x));
-      change += std::pow(larger.residuals[r] - smaller.residuals[r], 2);
-      missed += std::pow(smaller.residuals[r], 2);
-    }
-    return variance > kWorstShare * kWorstShare * std::max(change, missed);
+    return wald(j.transpose() * training.asDiagonal() * j) < kLeastShare * whole;
   });
 }
 
@@ -95,7 +119,8 @@ HeldOut cross_validate(Evaluator& evaluator, const model::Model& model, const Fo
                        const FitOptions& options) {
   HeldOut result;
   if (folds.training.empty()) return result;
-  result.residuals = Eigen::VectorXd::Constant(evaluator.row_count(), std::numeric_limits<double>::quiet_NaN());
+  result.residuals =
+      Eigen::VectorXd::Constant(evaluator.row_count(), std::numeric_limits<double>::quiet_NaN());
   result.left_out = Eigen::VectorXd::Zero(evaluator.row_count());
   for (const Eigen::VectorXd& training : folds.training) {
     FitOptions fold = options;

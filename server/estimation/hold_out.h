@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Errors on data that a fit did not see.
 //
-// Folds are left-out protocols (all runs of one group), left-out repeats (the k-th run of every group), left-out runs or
-// left-out blocks; the first is the hardest test and the last the mildest. All folds of one comparison are the same for
-// both models.
+// Folds are left-out protocols (all runs of one group), left-out repeats (the k-th run of every
+// group), left-out runs or left-out blocks; the first is the hardest test and the last the mildest.
+// All folds of one comparison are the same for both models.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,15 +24,19 @@ const std::vector<std::string>& fold_kinds();
 /// Empty where the data have too few members of the kind: three protocols, two of the others.
 Folds make_folds(const DataSet& data, const std::vector<Row>& rows, const std::string& kind);
 
-/// Drops the folds whose left-out rows the rest of the data cannot foretell: the standard error of the larger model's
-/// prediction there, with its own misfit as the unit, exceeds half of what that model changes and half of what the
-/// smaller one misses. A bad score on such a fold would say nothing of the model.
-void keep_determined(Folds& folds, const FitResult& larger, const FitResult& smaller);
+/// Drops the folds without which the data cannot tell the added parameters: their joint information
+/// (Wald, at the fitted values, all other parameters free) must keep at least a sixth of what it is
+/// on all rows. A bad score on a fold that alone shows an effect would say nothing of the effect.
+void keep_determined(Folds& folds, const FitResult& larger, const std::vector<std::size_t>& added);
+
+/// Parameters of the larger model that the smaller one does not have.
+std::vector<std::size_t> added_parameters(const model::Model& larger, const model::Model& smaller);
 
 struct HeldOut {
   bool usable = false;
   double chi2 = 0.0;
-  Eigen::VectorXd residuals;  ///< whitened, each row from the fit that did not see it; NaN where no fold left it out
+  Eigen::VectorXd residuals;  ///< whitened, each row from the fit that did not see it; NaN where no
+                              ///< fold left it out
   Eigen::VectorXd left_out;   ///< 1 on the rows that some fold left out, else 0
 };
 

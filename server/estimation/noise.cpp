@@ -38,8 +38,9 @@ Segment make_segment(const Curves& curves, const Block& block, const std::vector
   const bool hold = block.branch == capture::Branch::hold;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const auto f = static_cast<std::size_t>(frames[k]);
-    const double x = hold ? curves.clock_s[f] - curves.clock_s[static_cast<std::size_t>(block.first)]
-                          : curves.path.q[f][driver];
+    const double x = hold
+                         ? curves.clock_s[f] - curves.clock_s[static_cast<std::size_t>(block.first)]
+                         : curves.path.q[f][driver];
     segment.x.push_back(x);
     segment.value.push_back(values[k]);
   }
@@ -50,7 +51,8 @@ Segment make_segment(const Curves& curves, const Block& block, const std::vector
   return segment;
 }
 
-/// Value at x, linear between samples, and the share of one sample's variance that white noise keeps in it.
+/// Value at x, linear between samples, and the share of one sample's variance that white noise
+/// keeps in it.
 struct Interpolated {
   double value = 0.0;
   double kept = 1.0;
@@ -63,7 +65,8 @@ Interpolated interpolate(const Segment& s, double x) {
   return {(1.0 - w) * s.value[k - 1] + w * s.value[k], w * w + (1.0 - w) * (1.0 - w)};
 }
 
-/// Standard deviation of white noise from second differences: r[i] - (r[i-1] + r[i+1])/2 has variance 1.5 sigma^2.
+/// Standard deviation of white noise from second differences: r[i] - (r[i-1] + r[i+1])/2 has
+/// variance 1.5 sigma^2.
 double scatter_sigma(const std::vector<std::vector<double>>& blocks) {
   std::vector<double> d;
   for (const auto& x : blocks)
@@ -80,8 +83,8 @@ struct Member {
   Segment segment;
 };
 
-/// Repeats' deviations from their mean on a common grid, scaled to the variance of one reading; empty where the
-/// segments do not overlap.
+/// Repeats' deviations from their mean on a common grid, scaled to the variance of one reading;
+/// empty where the segments do not overlap.
 std::vector<std::vector<double>> deviations(std::vector<Member>& members) {
   std::sort(members.begin(), members.end(),
             [](const Member& a, const Member& b) { return a.run_order < b.run_order; });
@@ -96,7 +99,8 @@ std::vector<std::vector<double>> deviations(std::vector<Member>& members) {
     hi = std::min(hi, m.segment.x.back());
   }
   if (!(hi > lo)) return result;
-  const double scale = std::sqrt(static_cast<double>(members.size()) / (static_cast<double>(members.size()) - 1.0));
+  const double scale =
+      std::sqrt(static_cast<double>(members.size()) / (static_cast<double>(members.size()) - 1.0));
   result.resize(members.size());
   for (int g = 0; g < kGridPoints; ++g) {
     const double x = lo + (hi - lo) * (g + 0.5) / kGridPoints;
@@ -109,7 +113,8 @@ std::vector<std::vector<double>> deviations(std::vector<Member>& members) {
       mean += at.value / count;
       kept += at.kept / count;
     }
-    for (auto& sequence : result) sequence.back() = (sequence.back() - mean) * scale / std::sqrt(kept);
+    for (auto& sequence : result)
+      sequence.back() = (sequence.back() - mean) * scale / std::sqrt(kept);
   }
   return result;
 }
@@ -120,8 +125,8 @@ double rms(const std::vector<double>& x) {
   return x.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(x.size()));
 }
 
-/// One run's accident (a slip, a drift) must not pass for noise: sequences louder than twice the median are brought
-/// down to it.
+/// One run's accident (a slip, a drift) must not pass for noise: sequences louder than twice the
+/// median are brought down to it.
 void tame(std::vector<std::vector<double>>& sequences) {
   if (sequences.size() < 3) return;
   std::vector<double> loudness;
@@ -180,7 +185,8 @@ Noise estimate_noise(const DataSet& data, const std::vector<Row>& rows,
         const auto found = by_block[i][c].find(static_cast<int>(b));
         if (found == by_block[i][c].end() || found->second.first.size() < 3) continue;
         members[{curves.channels[c].name, place}].push_back(
-            {order[run], make_segment(curves, curves.blocks[b], found->second.first, found->second.second)});
+            {order[run],
+             make_segment(curves, curves.blocks[b], found->second.first, found->second.second)});
       }
     }
   }
@@ -223,11 +229,12 @@ Noise estimate_noise(const DataSet& data, const std::vector<Row>& rows,
         entry.source = NoiseSource::scatter;
       }
       // never finer than the instrument resolves, nor than numbers can be trusted
-      entry.sigma = std::max({entry.sigma, channel.resolution / std::sqrt(12.0), 1e-5 * (range_hi - range_lo), 1e-12});
+      entry.sigma = std::max(
+          {entry.sigma, channel.resolution / std::sqrt(12.0), 1e-5 * (range_hi - range_lo), 1e-12});
       entry.floor_sigma = entry.repeat_sigma > 0.0 ? entry.repeat_sigma : entry.sigma;
       if (!channel.sigma_per_frame.empty()) {
-        // a scatter given frame by frame (between specimens, say) sets the floor, not the weights: it is no noise of
-        // single readings
+        // a scatter given frame by frame (between specimens, say) sets the floor, not the weights:
+        // it is no noise of single readings
         double sum = 0.0;
         for (const double v : channel.sigma_per_frame) sum += std::isfinite(v) ? v * v : 0.0;
         entry.floor_sigma = std::sqrt(sum / static_cast<double>(channel.sigma_per_frame.size()));

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How large is the noise, and what does it look like? From repeats first (design: the variance between repeats is the
-// pure error), else from the sensor's declared standard deviation, else from the scatter of neighbouring samples.
+// How large is the noise, and what does it look like? From repeats first (design: the variance
+// between repeats is the pure error), else from the sensor's declared standard deviation, else from
+// the scatter of neighbouring samples.
 //
-// Repeats are runs of one group on one specimen; they are aligned block by block along the imposed strain (along time in
-// a hold) on the residuals of the current fit, so that small differences of the path do not count. The first run of a
-// group with three or more is kept apart: what it shows alone is a finding, not noise.
+// Repeats are runs of one group on one specimen; they are aligned block by block along the imposed
+// strain (along time in a hold) on the residuals of the current fit, so that small differences of
+// the path do not count. The first run of a group with three or more is kept apart: what it shows
+// alone is a finding, not noise.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,13 +23,16 @@ struct ChannelNoise {
   double sigma = 0.0;  ///< SI; what residuals are divided by
   NoiseSource source = NoiseSource::scatter;
   double repeat_sigma = 0.0;  ///< SI; between repeats, 0 where there are none
-  double scatter_sigma = 0.0; ///< SI; of neighbouring samples: what is left when everything smooth is taken away
-  double floor_sigma = 0.0;   ///< SI; what no model of the mean can be asked to meet: repeats, specimens or sigma
+  double scatter_sigma =
+      0.0;  ///< SI; of neighbouring samples: what is left when everything smooth is taken away
+  double floor_sigma =
+      0.0;  ///< SI; what no model of the mean can be asked to meet: repeats, specimens or sigma
 };
 
 struct Noise {
   std::vector<std::vector<ChannelNoise>> channels;  ///< [curve][channel]
-  /// Deviations between repeats over whole blocks, whitened by the channel's sigma: the pool that null twins draw from.
+  /// Deviations between repeats over whole blocks, whitened by the channel's sigma: the pool that
+  /// null twins draw from.
   std::vector<std::vector<double>> sequences;
 };
 

@@ -14,8 +14,8 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-/// Value minus what a robust line (Theil-Sen) through its neighbours says; the window is the 2h+1 values centred on it,
-/// or the nearest such where that would run over the end.
+/// Value minus what a robust line (Theil-Sen) through its neighbours says; the window is the 2h+1
+/// values centred on it, or the nearest such where that would run over the end.
 std::vector<double> without_trend(const std::vector<double>& x, int half) {
   const int n = static_cast<int>(x.size());
   const int width = 2 * half + 1;
@@ -30,7 +30,8 @@ std::vector<double> without_trend(const std::vector<double>& x, int half) {
     for (int a = first; a < first + width; ++a)
       for (int b = a + 1; b < first + width; ++b)
         if (a != i && b != i)
-          slopes.push_back((x[static_cast<std::size_t>(b)] - x[static_cast<std::size_t>(a)]) / (b - a));
+          slopes.push_back((x[static_cast<std::size_t>(b)] - x[static_cast<std::size_t>(a)]) /
+                           (b - a));
     const double slope = median(slopes);
     for (int a = first; a < first + width; ++a)
       if (a != i) levels.push_back(x[static_cast<std::size_t>(a)] + slope * (i - a));
@@ -53,8 +54,8 @@ std::vector<double> local_scale(const std::vector<double>& y, int half) {
 }
 
 /// Frames of one block in the order of the imposed component that moves most.
-std::vector<std::size_t> along_strain(const Curves& curves, const std::vector<Row>& rows, std::size_t first,
-                                      std::size_t last) {
+std::vector<std::size_t> along_strain(const Curves& curves, const std::vector<Row>& rows,
+                                      std::size_t first, std::size_t last) {
   Eigen::Vector3d lo = curves.path.q[static_cast<std::size_t>(rows[first].frame)];
   Eigen::Vector3d hi = lo;
   for (std::size_t r = first; r < last; ++r) {
@@ -82,14 +83,17 @@ std::vector<std::size_t> along_strain(const Curves& curves, const std::vector<Ro
 }  // namespace
 
 std::vector<Outlier> find_outliers(const DataSet& data, const std::vector<Row>& rows,
-                                   const Eigen::VectorXd& residuals, const OutlierOptions& options) {
+                                   const Eigen::VectorXd& residuals,
+                                   const OutlierOptions& options) {
   constexpr int kScaleHalfWindow = 25;
   std::vector<Outlier> found;
   std::size_t first = 0;
   while (first < rows.size()) {
     // one channel of one curve: its blocks follow each other
     std::size_t end = first;
-    while (end < rows.size() && rows[end].curve == rows[first].curve && rows[end].channel == rows[first].channel) ++end;
+    while (end < rows.size() && rows[end].curve == rows[first].curve &&
+           rows[end].channel == rows[first].channel)
+      ++end;
     const auto i = static_cast<std::size_t>(rows[first].curve);
     const auto c = static_cast<std::size_t>(rows[first].channel);
     const ObservedChannel& channel = data.curves[i].channels[c];
@@ -118,9 +122,11 @@ std::vector<Outlier> find_outliers(const DataSet& data, const std::vector<Row>& 
     }
     std::vector<double> size;
     for (const double v : deviation) size.push_back(std::abs(v));
-    // quantised readings have a median deviation of zero: never below the resolution, nor below a declared sigma
+    // quantised readings have a median deviation of zero: never below the resolution, nor below a
+    // declared sigma
     std::vector<double> sorted = size;
-    const double whole = std::max({1.4826 * median(sorted), channel.resolution / sigma, channel.sigma / sigma});
+    const double whole =
+        std::max({1.4826 * median(sorted), channel.resolution / sigma, channel.sigma / sigma});
     const double smallest = options.smallest_share * (hi - lo) / sigma;
     const auto is_far = [&](std::size_t k) {
       return size[k] > options.threshold * std::max(whole, scale[k]) && size[k] > smallest;

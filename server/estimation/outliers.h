@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Isolated readings that no smooth misfit explains: misread digits, lost samples.
 //
-// Within a block the residuals are put in the order of the imposed strain and each is compared with a robust line through
-// its neighbours there, so that neither a smooth error of the model nor a pull by fits and starts counts. What is left is
-// scaled by the median absolute deviation, of the whole channel or of the neighbourhood, whichever is larger, and never
-// by less than the channel's resolution. Readings farther than `threshold` such deviations, and farther than a share of
-// the channel's range, that come alone or in threes at most (in time) are outliers.
+// Within a block the residuals are put in the order of the imposed strain and each is compared with
+// a robust line through its neighbours there, so that neither a smooth error of the model nor a
+// pull by fits and starts counts. What is left is scaled by the median absolute deviation, of the
+// whole channel or of the neighbourhood, whichever is larger, and never by less than the channel's
+// resolution. Readings farther than `threshold` such deviations, and farther than a share of the
+// channel's range, that come alone or in threes at most (in time) are outliers.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,8 +27,8 @@ struct Outlier {
 struct OutlierOptions {
   int half_window = 4;
   double threshold = 7.0;
-  double smallest_share = 0.02;   ///< of the channel's range
-  int longest = 3;  ///< readings in a row that may still be misreadings
+  double smallest_share = 0.02;  ///< of the channel's range
+  int longest = 3;               ///< readings in a row that may still be misreadings
 };
 
 std::vector<Outlier> find_outliers(const DataSet& data, const std::vector<Row>& rows,

@@ -68,7 +68,8 @@ Expected<Evaluator> Evaluator::make(const model::Model& model,
   return evaluator;
 }
 
-// Corrections compose in the order of the instrument: what the cloth does, seen late, amplified, shifted.
+// Corrections compose in the order of the instrument: what the cloth does, seen late, amplified,
+// shifted.
 void Evaluator::show(const Curves& curves, const mechanics::PathResponse& response, int component,
                      int frame, const Eigen::VectorXd& parameters, bool sensitivities,
                      Shown& shown) const {
@@ -97,7 +98,8 @@ void Evaluator::show(const Curves& curves, const mechanics::PathResponse& respon
     const double span = curves.clock_s[l] - curves.clock_s[l - 1];
     if (!(span > 0.0)) continue;
     const double place = (when - curves.clock_s[l - 1]) / span;
-    const double w = std::clamp(place, 0.0, 1.0);  // before its first and after its last frame a run shows these
+    const double w =
+        std::clamp(place, 0.0, 1.0);  // before its first and after its last frame a run shows these
     const double p0 = response.stress[l - 1][component];
     const double p1 = response.stress[l][component];
     shown.value = (1.0 - w) * p0 + w * p1;
@@ -122,7 +124,8 @@ void Evaluator::show(const Curves& curves, const mechanics::PathResponse& respon
     if (c.type == Correction::Type::drift)
       column = curves.clock_s[static_cast<std::size_t>(frame)] - curves.clock_s.front();
     if (c.type == Correction::Type::clip_slip) {
-      // the step belongs to the run that holds its frame; at_frame counts the capture's frames, thinned or not
+      // the step belongs to the run that holds its frame; at_frame counts the capture's frames,
+      // thinned or not
       const int at = static_cast<int>(parameters[c.first_parameter + 1]);
       const auto f = static_cast<std::size_t>(frame);
       const int run = curves.blocks[static_cast<std::size_t>(curves.block_of[f])].run;

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a model says that the channels should have shown: residuals and their exact Jacobian over all curves.
+// What a model says that the channels should have shown: residuals and their exact Jacobian over
+// all curves.
 //
-//   r = (predicted - measured) / sigma        one row per frame and channel that has weight and a measured value
+//   r = (predicted - measured) / sigma        one row per frame and channel that has weight and a
+//   measured value
 //
-// Parameters are those of the model's terms, then those of its sensor corrections, flat, in document order. A sensor
-// correction acts on the predicted stress of its component:
+// Parameters are those of the model's terms, then those of its sensor corrections, flat, in
+// document order. A sensor correction acts on the predicted stress of its component:
 //
 //   shown = gain P(t - delay) + offset + rate (t - t0) + step [frame >= at_frame]
 //
-// An Evaluator is built once per model and set of curves; `evaluate` is then called thousands of times.
+// An Evaluator is built once per model and set of curves; `evaluate` is then called thousands of
+// times.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,8 +35,8 @@ struct Row {
   int block = 0;  ///< global block index over all curves
 };
 
-/// Curves with the noise that a fit gives them, sigma[curve][channel] in SI, and the readings that it leaves out,
-/// left_out[curve][channel][frame].
+/// Curves with the noise that a fit gives them, sigma[curve][channel] in SI, and the readings that
+/// it leaves out, left_out[curve][channel][frame].
 struct DataSet {
   std::vector<Curves> curves;
   std::vector<std::vector<double>> sigma;
@@ -48,8 +51,7 @@ struct DataSet {
 
 class Evaluator {
  public:
-  static Expected<Evaluator> make(const model::Model& model,
-                                  std::shared_ptr<const DataSet> data);
+  static Expected<Evaluator> make(const model::Model& model, std::shared_ptr<const DataSet> data);
 
   int parameter_count() const { return parameter_count_; }
   int row_count() const { return static_cast<int>(rows_.size()); }

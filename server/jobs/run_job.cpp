@@ -45,10 +45,13 @@ Expected<diagnosis::Options> read_options(const json& spec) {
         read_number(given, "max_frames_per_block", 10, 100000, options.max_frames_per_block)})
     if (!read) return tl::unexpected(read.error());
   if (given.contains("leave_out")) {
-    static const std::set<std::string> kKinds = {"auto", "protocols", "repeats", "runs", "blocks", "none"};
+    static const std::set<std::string> kKinds = {"auto", "protocols", "repeats",
+                                                 "runs", "blocks",    "none"};
     const json& kind = given["leave_out"];
     if (!kind.is_string() || !kKinds.contains(kind.get<std::string>()))
-      return bad_input("options.leave_out: must be auto, protocols, repeats, runs, blocks or none, not " + kind.dump());
+      return bad_input(
+          "options.leave_out: must be auto, protocols, repeats, runs, blocks or none, not " +
+          kind.dump());
     options.leave_out = kind.get<std::string>();
   }
   return options;

@@ -5,8 +5,9 @@
 
 namespace tenter::mechanics {
 
-// C = F'F has C_xx = q0^2, C_xy = q0 q2, C_yy = q1^2 + q2^2, so each component of c is w.(C_xx, C_yy, C_xy) and
-// half its Hessian by q is [[wx, 0, wxy/2], [0, wy, 0], [wxy/2, 0, wy]]: c_i = q' (H_i/2) q.
+// C = F'F has C_xx = q0^2, C_xy = q0 q2, C_yy = q1^2 + q2^2, so each component of c is w.(C_xx,
+// C_yy, C_xy) and half its Hessian by q is [[wx, 0, wxy/2], [0, wy, 0], [wxy/2, 0, wy]]: c_i = q'
+// (H_i/2) q.
 HomogeneousStrain::HomogeneousStrain(double axis_angle_rad) {
   const double co = std::cos(axis_angle_rad);
   const double si = std::sin(axis_angle_rad);

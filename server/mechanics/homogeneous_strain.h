@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Homogeneous strain of a flat specimen in the axes of the test, and what the material axes see of it.
+// Homogeneous strain of a flat specimen in the axes of the test, and what the material axes see of
+// it.
 //
 //   F = [[q0, q2], [0, q1]]   q = (stretch_x, stretch_y, shear_xy)
 //
-// Nominal stresses (N/m) are the derivatives of the energy per reference area by q: work-conjugate by construction.
-// The material's weft lies at -axis_angle in test axes (the angle runs from weft to the test's x axis), so with
-// a = (cos, -sin) and b = (sin, cos) of the axis angle: c = (a.C.a, b.C.b, a.C.b), C = F'F.
+// Nominal stresses (N/m) are the derivatives of the energy per reference area by q: work-conjugate
+// by construction. The material's weft lies at -axis_angle in test axes (the angle runs from weft
+// to the test's x axis), so with a = (cos, -sin) and b = (sin, cos) of the axis angle: c = (a.C.a,
+// b.C.b, a.C.b), C = F'F.
 #pragma once
 
 #include <Eigen/Core>

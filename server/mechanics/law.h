@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Laws: what a term answers to its strain.
 //
-// A law maps the strain of this instant, and for path-dependent laws its state at the start of the step and the step's
-// duration, to energy density (N/m), stress (N/m), tangent, the state at the end, and the derivatives of all of these
-// by strain, parameters and starting state. Between two frames the strain is taken to change linearly in time.
+// A law maps the strain of this instant, and for path-dependent laws its state at the start of the
+// step and the step's duration, to energy density (N/m), stress (N/m), tangent, the state at the
+// end, and the derivatives of all of these by strain, parameters and starting state. Between two
+// frames the strain is taken to change linearly in time.
 //
-//   energy     path-independent laws: stored energy; path-dependent laws: incremental potential of the step, whose
+//   energy     path-independent laws: stored energy; path-dependent laws: incremental potential of
+//   the step, whose
 //              derivative by the strain is the stress (architecture.md), up to a constant
-//   state      a few scalars; what each means, and what survives between runs, is said by state_kind
+//   state      a few scalars; what each means, and what survives between runs, is said by
+//   state_kind
 //
 // A law is immutable and stateless: callable from any thread. Nothing here allocates.
 #pragma once
@@ -45,9 +48,9 @@ struct LawOutput {
 
 /// What happens to a state variable when a run begins on a specimen that was pulled before.
 enum class StateKind {
-  transient,   ///< forgotten when the specimen was unloaded out of sight: back to zero
-  last_strain, ///< the strain where the step starts: rest (zero) then
-  memory       ///< survives until a new specimen
+  transient,    ///< forgotten when the specimen was unloaded out of sight: back to zero
+  last_strain,  ///< the strain where the step starts: rest (zero) then
+  memory        ///< survives until a new specimen
 };
 
 class Law {
@@ -70,8 +73,8 @@ class Law {
   int state_count_;
 };
 
-/// `strain_count` is that of the term's measure; bad_input where the law does not take so many, is unknown, or has the
-/// wrong parameters.
+/// `strain_count` is that of the term's measure; bad_input where the law does not take so many, is
+/// unknown, or has the wrong parameters.
 Expected<std::shared_ptr<const Law>> make_law(const model::Law& description, int strain_count);
 
 }  // namespace tenter::mechanics

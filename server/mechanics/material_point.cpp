@@ -43,12 +43,12 @@ void MaterialPoint::begin_run(FrameStart start, Workspace& scratch) const {
   }
 }
 
-// Psi(eps(c(q))):  P = sum sigma_i deps_i/dq,  dP/dq = sum deps_i' S_ij deps_j + sigma_i d2eps_i/dq2 with
-// deps/dq = by_c c_q and d2eps/dq2 = c_q' by_cc c_q + sum_k by_c[k] c_k,qq.
+// Psi(eps(c(q))):  P = sum sigma_i deps_i/dq,  dP/dq = sum deps_i' S_ij deps_j + sigma_i
+// d2eps_i/dq2 with deps/dq = by_c c_q and d2eps/dq2 = c_q' by_cc c_q + sum_k by_c[k] c_k,qq.
 MaterialPoint::Balance MaterialPoint::evaluate(const HomogeneousStrain& kinematics,
                                                const Eigen::Vector3d& q,
-                                               const Eigen::VectorXd& parameters,
-                                               double duration_s, Workspace& scratch) const {
+                                               const Eigen::VectorXd& parameters, double duration_s,
+                                               Workspace& scratch) const {
   Balance balance;
   balance.stress.setZero();
   balance.tangent.setZero();
@@ -84,8 +84,8 @@ MaterialPoint::Balance MaterialPoint::evaluate(const HomogeneousStrain& kinemati
   return balance;
 }
 
-// Newton on the free components' stress, with the tangent shifted where it is not positive definite, and a line search
-// on the norm of the stress. Two unknowns at most.
+// Newton on the free components' stress, with the tangent shifted where it is not positive
+// definite, and a line search on the norm of the stress. Two unknowns at most.
 bool MaterialPoint::solve_free(const HomogeneousStrain& kinematics,
                                const std::array<bool, 3>& is_free,
                                const Eigen::VectorXd& parameters, double duration_s,
@@ -116,15 +116,17 @@ bool MaterialPoint::solve_free(const HomogeneousStrain& kinematics,
     }
     const double stiffness = k.cwiseAbs().maxCoeff();
     const double smallest =
-        count == 1 ? k(0, 0) : Eigen::SelfAdjointEigenSolver<SmallMatrix>(k, Eigen::EigenvaluesOnly).eigenvalues()[0];
+        count == 1 ? k(0, 0)
+                   : Eigen::SelfAdjointEigenSolver<SmallMatrix>(k, Eigen::EigenvaluesOnly)
+                         .eigenvalues()[0];
     if (smallest < 1e-6 * stiffness)
       k.diagonal().array() += 1e-3 * stiffness - std::min(smallest, 0.0);
     if (!(stiffness > 0.0)) return false;
     const SmallVector step = -k.partialPivLu().solve(r);
     double length = 1.0;
     for (int i = 0; i < count; ++i)  // at most a quarter of the stretch in one go
-      length = std::min(length, 0.25 * std::max(std::abs(q[free[i]]), 0.2) /
-                                    std::max(std::abs(step[i]), 1e-300));
+      length = std::min(
+          length, 0.25 * std::max(std::abs(q[free[i]]), 0.2) / std::max(std::abs(step[i]), 1e-300));
     bool improved = false;
     const Eigen::Vector3d start = q;
     for (int halving = 0; halving < 40 && !improved; ++halving, length *= 0.5) {
@@ -143,15 +145,16 @@ bool MaterialPoint::solve_free(const HomogeneousStrain& kinematics,
     if (!improved) {
       q = start;
       balance = evaluate(kinematics, q, parameters, duration_s, scratch);
-      // rounding keeps it from falling further: good where what is left is small beside what balances
+      // rounding keeps it from falling further: good where what is left is small beside what
+      // balances
       return norm <= 1e-8 * (balance.scale + 1e-9);
     }
   }
   return norm <= 1e-8 * (balance.scale + 1e-9);
 }
 
-// With g = stress_p + stress_state dstate/dp at fixed strain, the free components obey K_ff dq_f/dp = -(eps_q' g)_f and
-// dP/dp = K_.f dq_f/dp + eps_q' g.
+// With g = stress_p + stress_state dstate/dp at fixed strain, the free components obey K_ff dq_f/dp
+// = -(eps_q' g)_f and dP/dp = K_.f dq_f/dp + eps_q' g.
 void MaterialPoint::differentiate(const std::array<bool, 3>& is_free, const Balance& balance,
                                   Eigen::Index frame, Workspace& scratch,
                                   PathResponse& response) const {
@@ -170,8 +173,8 @@ void MaterialPoint::differentiate(const std::array<bool, 3>& is_free, const Bala
       for (int s = 0; s < term.law->state_count(); ++s) {
         if (law.stress_by_state[i][s] == 0.0) continue;
         for (int a = 0; a < 3; ++a)
-          stress_by_p.row(a) += by_q(i, a) * law.stress_by_state[i][s] *
-                                scratch.state_by_p.row(term.first_state + s);
+          stress_by_p.row(a) +=
+              by_q(i, a) * law.stress_by_state[i][s] * scratch.state_by_p.row(term.first_state + s);
       }
     }
   }
@@ -207,8 +210,8 @@ void MaterialPoint::differentiate(const std::array<bool, 3>& is_free, const Bala
       if (count == 0) continue;
       for (int i = 0; i < term.measure.count(); ++i)
         for (int f = 0; f < count; ++f)
-          row += law.state_by_strain[s][i] * scratch.strain_by_q[t](i, free[f]) *
-                 q_by_p.row(free[f]);
+          row +=
+              law.state_by_strain[s][i] * scratch.strain_by_q[t](i, free[f]) * q_by_p.row(free[f]);
     }
   }
   scratch.state_by_p.swap(scratch.next_state_by_p);
@@ -220,7 +223,8 @@ void MaterialPoint::advance_state(Workspace& scratch) const {
                 scratch.state.begin() + terms_[t].first_state);
 }
 
-Eigen::Matrix3d MaterialPoint::elastic_hessian(const HomogeneousStrain& kinematics, const Eigen::Vector3d& q,
+Eigen::Matrix3d MaterialPoint::elastic_hessian(const HomogeneousStrain& kinematics,
+                                               const Eigen::Vector3d& q,
                                                const Eigen::VectorXd& parameters) const {
   Workspace scratch;
   scratch.state.assign(static_cast<std::size_t>(state_count_), 0.0);

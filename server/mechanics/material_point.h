@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A model under homogeneous strain, followed along a measured path, with exact parameter derivatives.
+// A model under homogeneous strain, followed along a measured path, with exact parameter
+// derivatives.
 //
-// Question it answers: given the strain of every frame (some components imposed, some free of stress), what nominal
-// stresses (N/m) does the model give, where do the free components go, and how do both change with every parameter?
+// Question it answers: given the strain of every frame (some components imposed, some free of
+// stress), what nominal stresses (N/m) does the model give, where do the free components go, and
+// how do both change with every parameter?
 //
 //   P_i(q, state, p) = sum over terms  sigma_t . d eps_t / d q_i
 //
-// Free components solve P_f = 0 frame by frame; their sensitivities follow from the implicit function theorem, those of
-// the laws' states are carried forward. Cost: O(frames x terms x parameters). Pure: no files, clock, threads; a
-// MaterialPoint is immutable, scratch lives in the Workspace of the caller.
+// Free components solve P_f = 0 frame by frame; their sensitivities follow from the implicit
+// function theorem, those of the laws' states are carried forward. Cost: O(frames x terms x
+// parameters). Pure: no files, clock, threads; a MaterialPoint is immutable, scratch lives in the
+// Workspace of the caller.
 //
 //   auto point = MaterialPoint::make(model);
 //   MaterialPoint::Workspace scratch;
@@ -32,17 +35,17 @@ namespace tenter::mechanics {
 
 /// How a frame follows the one before it.
 enum class FrameStart {
-  next,     ///< the path goes on
-  rested,   ///< a new run on the same specimen, unloaded out of sight: only memory is kept
-  virgin    ///< a specimen that was never pulled
+  next,    ///< the path goes on
+  rested,  ///< a new run on the same specimen, unloaded out of sight: only memory is kept
+  virgin   ///< a specimen that was never pulled
 };
 
 /// The loading of one specimen. All vectors have one entry per frame.
 struct StrainPath {
   double axis_angle_rad = 0.0;
   std::array<bool, 3> is_free = {false, false, false};
-  std::vector<Eigen::Vector3d> q;   ///< stretch_x, stretch_y, shear_xy; a first guess where free
-  std::vector<double> duration_s;   ///< since the frame before; 0 where a run starts
+  std::vector<Eigen::Vector3d> q;  ///< stretch_x, stretch_y, shear_xy; a first guess where free
+  std::vector<double> duration_s;  ///< since the frame before; 0 where a run starts
   std::vector<FrameStart> start;
 };
 
@@ -82,7 +85,8 @@ class MaterialPoint {
                                   bool sensitivities, Workspace& scratch,
                                   PathResponse& response) const;
 
-  /// d2Psi/dq2 at one state of a model without history (path-dependent terms count as never strained before).
+  /// d2Psi/dq2 at one state of a model without history (path-dependent terms count as never
+  /// strained before).
   Eigen::Matrix3d elastic_hessian(const HomogeneousStrain& kinematics, const Eigen::Vector3d& q,
                                   const Eigen::VectorXd& parameters) const;
 
@@ -94,9 +98,9 @@ class MaterialPoint {
     int first_state = 0;
   };
   struct Balance {
-    Eigen::Vector3d stress;    ///< dPsi/dq
-    Eigen::Matrix3d tangent;   ///< d2Psi/dq2
-    double scale = 0.0;        ///< sum of the magnitudes that were added up
+    Eigen::Vector3d stress;   ///< dPsi/dq
+    Eigen::Matrix3d tangent;  ///< d2Psi/dq2
+    double scale = 0.0;       ///< sum of the magnitudes that were added up
   };
 
   void begin_run(FrameStart start, Workspace& scratch) const;
@@ -105,8 +109,8 @@ class MaterialPoint {
   bool solve_free(const HomogeneousStrain& kinematics, const std::array<bool, 3>& is_free,
                   const Eigen::VectorXd& parameters, double duration_s, Workspace& scratch,
                   Eigen::Vector3d& q, Balance& balance) const;
-  void differentiate(const std::array<bool, 3>& is_free, const Balance& balance,
-                     Eigen::Index frame, Workspace& scratch, PathResponse& response) const;
+  void differentiate(const std::array<bool, 3>& is_free, const Balance& balance, Eigen::Index frame,
+                     Workspace& scratch, PathResponse& response) const;
   void advance_state(Workspace& scratch) const;
 
   std::vector<Term> terms_;

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Strain measures of a membrane: what a term looks at.
 //
-// A measure maps the right Cauchy-Green tensor in material axes, c = (C_uu, C_vv, C_uv) with u = weft, v = warp,
-// to one or two scalar strains, with exact first and second derivatives by c. Being functions of C they are
-// objective by construction; C_uu = |w_u|^2, C_vv = |w_v|^2, C_uv = w_u . w_v in the notation of thesis 3.3.1.
+// A measure maps the right Cauchy-Green tensor in material axes, c = (C_uu, C_vv, C_uv) with u =
+// weft, v = warp, to one or two scalar strains, with exact first and second derivatives by c. Being
+// functions of C they are objective by construction; C_uu = |w_u|^2, C_vv = |w_v|^2, C_uv = w_u .
+// w_v in the notation of thesis 3.3.1.
 //
-//   green_u      (C_uu - 1)/2                      (3.3)      soft_u, spring_u   sqrt(C_uu) - 1   (3.4), (3.1)
-//   green_uv     C_uv                              (3.3)      spring_d1, d2      edge at +45, -45 degrees
-//   green_trace  (C_uu + C_vv)/2 - 1                          fibre(theta)       sqrt(a.C.a) - 1
-//   green_deviator  ((C_uu - C_vv)/2, C_uv)                   area               sqrt(det C) - 1
-//   green_pair   (green_u, green_v)                           fibre_pair(theta)  fibres at +theta and -theta
+//   green_u      (C_uu - 1)/2                      (3.3)      soft_u, spring_u   sqrt(C_uu) - 1
+//   (3.4), (3.1) green_uv     C_uv                              (3.3)      spring_d1, d2      edge
+//   at +45, -45 degrees green_trace  (C_uu + C_vv)/2 - 1                          fibre(theta)
+//   sqrt(a.C.a) - 1 green_deviator  ((C_uu - C_vv)/2, C_uv)                   area sqrt(det C) - 1
+//   green_pair   (green_u, green_v)                           fibre_pair(theta)  fibres at +theta
+//   and -theta
 //
 // Stateless; callable from any thread; no allocation.
 #pragma once
@@ -24,7 +26,8 @@ namespace tenter::mechanics {
 
 constexpr int kMaxStrains = 2;
 
-/// Strains of one measure at one state. Rows of `by_c` and entries of `by_cc` belong to the strains.
+/// Strains of one measure at one state. Rows of `by_c` and entries of `by_cc` belong to the
+/// strains.
 struct StrainValue {
   double value[kMaxStrains] = {0.0, 0.0};
   Eigen::Vector3d by_c[kMaxStrains];

@@ -12,7 +12,7 @@ namespace v1 = wire::v1;
 
 namespace {
 
-constexpr auto kKeepEnded = std::chrono::seconds(60);
+constexpr std::size_t kMostEnded = 1000;
 constexpr std::size_t kMostPublished = wire::kMaxJobInstances - 256;
 constexpr int kMostAtStart = 1000;
 
@@ -39,10 +39,8 @@ std::uint32_t attempt_of(const jobs::JobEvent& event) {
 }  // namespace
 
 JobPublisher::JobPublisher(const Context& context, const jobs::JobService& jobs)
-    : context_(context),
-      states_(context.participant, wire::job_state_topic(), {}, context.epoch),
-      events_(context.participant, wire::job_event_topic(), {}, context.epoch),
-      progress_(context.participant, wire::fit_progress_topic(), {}, context.epoch) {
+    : context_(context), events_(context.participant, wire::job_event_topic(), {}, context.epoch) {
+  make_writers();
   for (const auto state : {jobs::JobState::running, jobs::JobState::queued}) {
     jobs::JobFilter filter;
     filter.state = state;
@@ -72,6 +70,15 @@ void JobPublisher::publish(const jobs::JobEvent& event) {
   });
 }
 
+void JobPublisher::make_writers() {
+  states_ = std::make_unique<wire::Writer<v1::JobState>>(
+      context_.participant, wire::job_state_topic(), wire::MatchHandler{}, context_.epoch);
+  progress_ = std::make_unique<wire::Writer<v1::FitProgress>>(
+      context_.participant, wire::fit_progress_topic(), wire::MatchHandler{}, context_.epoch);
+  ended_.clear();
+  for (const auto& [job, event] : live_) write_state(event);
+}
+
 void JobPublisher::publish_state(const jobs::JobEvent& event) {
   if (event.state == jobs::JobState::running) {
     Running& run = running_[event.job];
@@ -79,12 +86,21 @@ void JobPublisher::publish_state(const jobs::JobEvent& event) {
   } else {
     running_.erase(event.job);
   }
-  while (published_.size() >= kMostPublished && !ended_.empty()) {
-    let_go(ended_.front().second);
-    ended_.pop_front();
+  const bool fresh = live_.count(event.job) == 0 && ended_.count(event.job) == 0;
+  const bool full = live_.size() + ended_.size() >= kMostPublished;
+  if (ended_.size() >= kMostEnded || (fresh && full && !ended_.empty())) make_writers();
+  if (fresh && live_.size() >= kMostPublished) return;
+  if (jobs::is_final(event.state)) {
+    live_.erase(event.job);
+    ended_.insert(event.job);
+  } else {
+    ended_.erase(event.job);
+    live_[event.job] = event;
   }
-  if (published_.size() >= kMostPublished && published_.count(event.job) == 0) return;
+  write_state(event);
+}
 
+void JobPublisher::write_state(const jobs::JobEvent& event) {
   v1::JobState sample;
   sample.server_id(context_.server_id);
   sample.job_id(event.job);
@@ -93,11 +109,7 @@ void JobPublisher::publish_state(const jobs::JobEvent& event) {
   sample.attempt(attempt_of(event));
   sample.user(event.user);
   sample.message(wire::clean_text(event.message, v1::MAX_TEXT));
-  if (auto sent = states_.write(sample); !sent)
-    return context_.log(Level::warning, sent.error().message);
-  published_.insert(event.job);
-  std::erase_if(ended_, [&](const auto& entry) { return entry.second == event.job; });
-  if (jobs::is_final(event.state)) ended_.emplace_back(Clock::now(), event.job);
+  if (auto sent = states_->write(sample); !sent) context_.log(Level::warning, sent.error().message);
 }
 
 void JobPublisher::publish_event(const jobs::JobEvent& event) {
@@ -111,19 +123,10 @@ void JobPublisher::publish_event(const jobs::JobEvent& event) {
   sample.kind(wire::clean_text(event.what, v1::MAX_NAME));
   sample.text(wire::clean_text(event.message, v1::MAX_TEXT));
   if (auto sent = events_.write(sample); !sent) context_.log(Level::warning, sent.error().message);
-  if (jobs::is_final(event.state)) {
-    events_.unregister(sample);
-    if (with_progress_.erase(event.job) > 0) {
-      v1::FitProgress key;
-      key.server_id(context_.server_id);
-      key.job_id(event.job);
-      progress_.dispose(key);
-    }
-  }
 }
 
 void JobPublisher::publish_progress(const jobs::JobEvent& event) {
-  if (!event.progress) return;
+  if (!event.progress || live_.count(event.job) == 0) return;
   const auto run = running_.find(event.job);
   const jobs::JobProgress& now = *event.progress;
   v1::FitProgress sample;
@@ -138,25 +141,8 @@ void JobPublisher::publish_progress(const jobs::JobEvent& event) {
   sample.elapsed_s(run == running_.end()
                        ? 0.0
                        : std::chrono::duration<double>(Clock::now() - run->second.since).count());
-  if (auto sent = progress_.write(sample); !sent)
-    return context_.log(Level::warning, sent.error().message);
-  with_progress_.insert(event.job);
-}
-
-void JobPublisher::let_go(jobs::JobId job) {
-  if (published_.erase(job) == 0) return;
-  v1::JobState key;
-  key.server_id(context_.server_id);
-  key.job_id(job);
-  states_.dispose(key);
-}
-
-void JobPublisher::tidy() {
-  const auto now = Clock::now();
-  while (!ended_.empty() && now - ended_.front().first > kKeepEnded) {
-    let_go(ended_.front().second);
-    ended_.pop_front();
-  }
+  if (auto sent = progress_->write(sample); !sent)
+    context_.log(Level::warning, sent.error().message);
 }
 
 }  // namespace tenter::service

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tells everyone who listens how jobs go: job_state, job_event, fit_progress.
 //
-// Ended jobs stay in job_state for a minute, then they are let go: who asks later, asks by request.
-// The same happens earlier when thousands are there, so that running jobs always have a place.
+// job_state holds the jobs that wait and run and up to a thousand that ended lately. When there are
+// more, both writers with keys are made anew with what waits and runs: letting single instances go
+// is not reliable in this version of Fast DDS. A job that finds no place is not published; who
+// watches it asks now and then.
 #pragma once
 
 #include <chrono>
-#include <deque>
 #include <map>
 #include <memory>
 #include <set>
@@ -25,8 +26,6 @@ class JobPublisher {
 
   /// Any thread; returns at once.
   void publish(const jobs::JobEvent& event);
-  /// Loop thread, now and then.
-  void tidy();
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -38,15 +37,16 @@ class JobPublisher {
   void publish_state(const jobs::JobEvent& event);
   void publish_event(const jobs::JobEvent& event);
   void publish_progress(const jobs::JobEvent& event);
-  void let_go(jobs::JobId job);
+  void write_state(const jobs::JobEvent& event);
+  void make_writers();
 
   const Context context_;
-  wire::Writer<wire::v1::JobState> states_;
   wire::Writer<wire::v1::JobEvent> events_;
-  wire::Writer<wire::v1::FitProgress> progress_;
-  std::set<jobs::JobId> published_;
-  std::set<jobs::JobId> with_progress_;
-  std::deque<std::pair<Clock::time_point, jobs::JobId>> ended_;
+  std::unique_ptr<wire::Writer<wire::v1::JobState>> states_;
+  std::unique_ptr<wire::Writer<wire::v1::FitProgress>> progress_;
+  std::map<jobs::JobId, jobs::JobEvent>
+      live_;                     ///< last event of each published job that has not ended
+  std::set<jobs::JobId> ended_;  ///< published by these writers
   std::map<jobs::JobId, Running> running_;
 };
 

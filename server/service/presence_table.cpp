@@ -18,10 +18,6 @@ PresenceTable::PresenceTable(const Context& context) {
     entry->second.peer = peer;
     entry->second.client = {sample.user(), sample.name(), sample.process(), 0};
   };
-  handlers.on_gone = [this](const wire::Uuid& client, const wire::Peer&) {
-    std::lock_guard lock(mutex_);
-    entries_.erase(client);
-  };
   handlers.on_match = [this](const wire::Peer& peer, bool came) {
     if (!came) leave(peer);
   };

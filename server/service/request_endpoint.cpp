@@ -29,7 +29,6 @@ struct RequestEndpoint::User {
   };
 
   std::string name;
-  std::map<wire::Peer, std::set<wire::Uuid>> clients;  ///< of each process, to free their places
   std::deque<Held> held;
   Clock::time_point last_seen = Clock::now();
   std::unique_ptr<wire::Writer<v1::Reply>> replies;
@@ -64,7 +63,7 @@ void RequestEndpoint::on_remote_writer(const std::string& topic) {
   users_[name] = std::move(user);
   raw->replies = std::make_unique<wire::Writer<v1::Reply>>(
       context_.participant, wire::reply_topic(name),
-      [this, name](const wire::Peer& peer, bool came) { on_match(name, peer, came); },
+      [this, name](const wire::Peer&, bool came) { on_match(name, came); },
       context_.epoch);
   wire::ReaderHandlers<v1::Request> handlers;
   handlers.on_sample = [this, raw](v1::Request& request, const wire::Peer& peer) {
@@ -165,7 +164,6 @@ void RequestEndpoint::send(User& user, const wire::Peer& peer, const ReplyCache:
     if (user.held.size() < 256) user.held.push_back({peer, key, reply, Clock::now()});
     return;
   }
-  user.clients[peer].insert(key.first);
   if (!reply.ok)
     return send_status(user, key, static_cast<std::uint32_t>(reply.kind), reply.message);
   const std::size_t parts =
@@ -197,25 +195,15 @@ void RequestEndpoint::send_status(User& user, const ReplyCache::Key& key, std::u
     context_.log(Level::warning, sent.error().message);
 }
 
-void RequestEndpoint::on_match(const std::string& name, const wire::Peer& peer, bool came) {
+void RequestEndpoint::on_match(const std::string& name, bool came) {
   const auto found = users_.find(name);
   if (found == users_.end()) return;
   User& user = *found->second;
   user.last_seen = Clock::now();
-  if (came) {
-    std::deque<User::Held> held;
-    held.swap(user.held);
-    for (User::Held& one : held) send(user, one.peer, one.key, one.reply);
-    return;
-  }
-  const auto clients = user.clients.find(peer);
-  if (clients == user.clients.end()) return;
-  for (const wire::Uuid& client : clients->second) {
-    v1::Reply key;
-    key.client_id(client);
-    user.replies->unregister(key);
-  }
-  user.clients.erase(clients);
+  if (!came) return;
+  std::deque<User::Held> held;
+  held.swap(user.held);
+  for (User::Held& one : held) send(user, one.peer, one.key, one.reply);
 }
 
 void RequestEndpoint::tidy() {

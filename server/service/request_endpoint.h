@@ -12,7 +12,6 @@
 #include <deque>
 #include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -46,7 +45,7 @@ class RequestEndpoint {
   void send(User& user, const wire::Peer& peer, const ReplyCache::Key& key, const ReplyText& reply);
   void send_status(User& user, const ReplyCache::Key& key, std::uint32_t status,
                    const std::string& message);
-  void on_match(const std::string& user, const wire::Peer& peer, bool came);
+  void on_match(const std::string& user, bool came);
 
   const Context context_;
   const Operations operations_;

@@ -100,7 +100,6 @@ class Service::Impl {
       requests_->tidy();
       uploads_->tidy();
       downloads_->tidy();
-      publisher_->tidy();
     }));
     announce(context);
     return {};

@@ -33,18 +33,11 @@ json missing_ranges(const std::vector<bool>& present) {
 
 }  // namespace
 
-struct UploadEndpoint::Acks {
-  Acks(const Context& context, const std::string& user)
-      : writer(context.participant, wire::chunk_ack_topic(user), {}, context.epoch) {}
-  wire::Writer<v1::ChunkAck> writer;
-};
-
 struct UploadEndpoint::Transfer {
   std::string name;  ///< as the queue calls it
   wire::Uuid id{};
   std::string user;
   std::uint64_t chunks = 0;
-  std::shared_ptr<Acks> acks;
 
   std::mutex mutex;
   int queued = 0;
@@ -52,6 +45,7 @@ struct UploadEndpoint::Transfer {
   std::uint64_t written = 0;
   bool failed = false;
   Clock::time_point last_seen = Clock::now();
+  std::unique_ptr<wire::Writer<v1::ChunkAck>> acks;
   std::unique_ptr<wire::Reader<v1::Chunk>> reader;  ///< last: gone first
 };
 
@@ -63,10 +57,7 @@ UploadEndpoint::UploadEndpoint(const Context& context, jobs::JobService& jobs)
 
 UploadEndpoint::~UploadEndpoint() {
   queue_.reset();
-  context_.participant.loop().run([this] {
-    transfers_.clear();
-    acks_.clear();
-  });
+  context_.participant.loop().run([this] { transfers_.clear(); });
 }
 
 void UploadEndpoint::add_operations(Operations& table) {
@@ -90,7 +81,9 @@ Expected<json> UploadEndpoint::open(const Caller& caller, const json& body) {
     return json{{"already_stored", true}, {"capture", to_json(*capture)}};
   }
 
-  const wire::Uuid id = wire::uuid_of(state->transfer);
+  // After a restart it has another name: on the old topic the reader that was killed with the last
+  // daemon holds up the client until its lease ends.
+  const wire::Uuid id = wire::uuid_of(state->transfer + ' ' + std::to_string(context_.epoch));
   std::shared_ptr<Transfer> transfer;
   {
     std::lock_guard lock(mutex_);
@@ -115,12 +108,9 @@ Expected<json> UploadEndpoint::open(const Caller& caller, const json& body) {
     transfer->id = id;
     transfer->user = caller.user;
     transfer->chunks = state->chunks;
-    {
-      std::lock_guard lock(mutex_);
-      auto& acks = acks_[caller.user];
-      if (!acks) acks = std::make_shared<Acks>(context_, caller.user);
-      transfer->acks = acks;
-    }
+    transfer->acks = std::make_unique<wire::Writer<v1::ChunkAck>>(
+        context_.participant, wire::chunk_ack_topic(caller.user, id), wire::MatchHandler{},
+        context_.epoch);
     wire::ReaderHandlers<v1::Chunk> handlers;
     handlers.on_sample = [this, weak = std::weak_ptr(transfer)](v1::Chunk& chunk,
                                                                 const wire::Peer&) {
@@ -208,7 +198,7 @@ void UploadEndpoint::acknowledge(Transfer& transfer, std::uint32_t status,
   ack.credit(v1::CHUNK_WINDOW);
   ack.status(status);
   ack.message(wire::clean_text(message, v1::MAX_TEXT));
-  if (auto sent = transfer.acks->writer.write(ack); !sent)
+  if (auto sent = transfer.acks->write(ack); !sent)
     context_.log(Level::warning, sent.error().message);
 }
 
@@ -256,9 +246,6 @@ void UploadEndpoint::close(const wire::Uuid& id) {
     transfer = std::move(found->second);
     transfers_.erase(found);
   }
-  v1::ChunkAck key;
-  key.transfer_id(id);
-  transfer->acks->writer.unregister(key);
 }
 
 void UploadEndpoint::tidy() {
@@ -279,8 +266,6 @@ void UploadEndpoint::tidy() {
       ++one;
     }
   }
-  for (auto one = acks_.begin(); one != acks_.end();)
-    one = one->second.use_count() == 1 ? acks_.erase(one) : std::next(one);
 }
 
 }  // namespace tenter::service

@@ -40,7 +40,6 @@ class UploadEndpoint {
 
  private:
   struct Transfer;
-  struct Acks;  ///< the writer of one user's acknowledgements
   Expected<nlohmann::json> open(const Caller& caller, const nlohmann::json& body);
   Expected<nlohmann::json> commit(const Caller& caller, const nlohmann::json& body);
   Expected<nlohmann::json> abandon(const Caller& caller, const nlohmann::json& body);
@@ -56,7 +55,6 @@ class UploadEndpoint {
   jobs::JobService& jobs_;
   std::mutex mutex_;
   std::map<wire::Uuid, std::shared_ptr<Transfer>> transfers_;
-  std::map<std::string, std::shared_ptr<Acks>> acks_;
   std::unique_ptr<WorkQueue> queue_;
 };
 

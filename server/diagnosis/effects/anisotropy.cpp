@@ -10,19 +10,24 @@ Effect anisotropy() {
   effect.words = "anisotropy: the stiffness depends on the direction in the cloth";
   effect.mistaken_for = {"nonlinear_stiffness", "load_cell_gain"};
   effect.split_by = {"remount_90_and_45_degrees",
-                     "The same pull on the specimen remounted at 90 and at 45 degrees: what turns with the specimen is "
+                     "The same pull on the specimen remounted at 90 and at 45 degrees: what turns "
+                     "with the specimen is "
                      "the material.",
-                     {{"remount", "at 90 degrees"}, {"ramp", "the same pull"}, {"remount", "at 45 degrees"},
+                     {{"remount", "at 90 degrees"},
+                      {"ramp", "the same pull"},
+                      {"remount", "at 45 degrees"},
                       {"ramp", "the same pull"}}};
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     for (const Place& place : places(model, excitation, false)) {
       bool has_linear = false;
-      for (const model::Term& term : model.terms) has_linear = has_linear || same_measure(term.strain, place);
-      if (has_linear) continue;
+      for (const model::Term& term : model.terms)
+        has_linear = has_linear || same_measure(term.strain, place);
+      if (has_linear || (place.name == "diagonal" && !has_coupling(model))) continue;
       Variant variant;
       variant.words = "an own stiffness along " + place.name;
-      model::Term term = new_term(model, "own_" + place.name, place.measure, place.angle_rad, "linear");
+      model::Term term =
+          new_term(model, "own_" + place.name, place.measure, place.angle_rad, "linear");
       set_parameter(term.law, "k", 0.0);
       variant.append.push_back(std::move(term));
       variants.push_back(std::move(variant));

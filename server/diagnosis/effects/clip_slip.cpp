@@ -5,9 +5,10 @@
 namespace tenter::diagnosis {
 namespace {
 
-std::pair<std::string, double> place(const model::SensorCorrection& correction, const estimation::Curves& curves,
-                                     int frame) {
-  return {correction.id + ".at_frame", static_cast<double>(curves.origin[static_cast<std::size_t>(frame)])};
+std::pair<std::string, double> place(const model::SensorCorrection& correction,
+                                     const estimation::Curves& curves, int frame) {
+  return {correction.id + ".at_frame",
+          static_cast<double>(curves.origin[static_cast<std::size_t>(frame)])};
 }
 
 }  // namespace
@@ -19,12 +20,14 @@ Effect clip_slip() {
   effect.kind = Effect::Kind::sensor;
   effect.in_every_run = false;
   effect.mistaken_for = {"outliers", "first_cycle_softening"};
-  effect.split_by = {"repeat_with_marks",
-                     "Repeat the run with a mark on the cloth at the edge of each clip: a slip moves the mark.",
-                     {{"repeat", "the run that stepped"}}};
+  effect.split_by = {
+      "repeat_with_marks",
+      "Repeat the run with a mark on the cloth at the edge of each clip: a slip moves the mark.",
+      {{"repeat", "the run that stepped"}}};
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
-    // a step may begin at any of a dozen places of a run, and then at any frame of the likeliest run
+    // a step may begin at any of a dozen places of a run, and then at any frame of the likeliest
+    // run
     constexpr int kPlaces = 12;
     for (const estimation::Curves& curves : excitation.curves) {
       if (curves.runs.size() < 2 && excitation.curves.size() < 2) continue;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One function per effect; each has a file of its own here and a row in catalogue.cpp. Helpers that several effects share.
+// One function per effect; each has a file of its own here and a row in catalogue.cpp. Helpers that
+// several effects share.
 #pragma once
 
 #include "server/diagnosis/effect.h"
@@ -22,10 +23,11 @@ Effect force_camera_delay();
 
 /// Tightens the bounds of a parameter of the law.
 void bound_parameter(model::Law& law, const std::string& name, double lower, double upper);
-/// The term's measure looks where the place is (weft, warp, shear, diagonal), in whatever family of strains.
+/// The term's measure looks where the place is (weft, warp, shear, diagonal), in whatever family of
+/// strains.
 bool same_measure(const model::StrainMeasure& measure, const Place& place);
-/// Variants of a law that remembers the largest strain, along weft, warp and both, with `scale` on a grid of shares of
-/// the strain reached and at most `longest` times it.
+/// Variants of a law that remembers the largest strain, along weft, warp and both, with `scale` on
+/// a grid of shares of the strain reached and at most `longest` times it.
 std::vector<Variant> memory_variants(const model::Model& model, const Excitation& excitation,
                                      const std::string& id, const std::string& law,
                                      const std::string& amplitude, const std::string& scale,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// First-cycle softening (Mullins, settling): only the first loading to each new maximum feels the whole stiffness.
+// First-cycle softening (Mullins, settling): only the first loading to each new maximum feels the
+// whole stiffness.
 #include "server/diagnosis/effects/effects.h"
 
 namespace tenter::diagnosis {
@@ -7,10 +8,12 @@ namespace tenter::diagnosis {
 Effect first_cycle_softening() {
   Effect effect;
   effect.id = "first_cycle_softening";
-  effect.words = "first-cycle softening: the first loading to each new strain is stiffer than every later one";
+  effect.words =
+      "first-cycle softening: the first loading to each new strain is stiffer than every later one";
   effect.mistaken_for = {"plastic_set", "internal_friction"};
   effect.split_by = {"repeat_cycles_growing",
-                     "Three cycles to each of three growing maxima on a new specimen: softening shows between the first "
+                     "Three cycles to each of three growing maxima on a new specimen: softening "
+                     "shows between the first "
                      "and the second cycle of each, and only there.",
                      {{"cycle", "three cycles to a third of the range"},
                       {"cycle", "three cycles to two thirds"},
@@ -18,9 +21,11 @@ Effect first_cycle_softening() {
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     for (const double power : {1.0, 3.0}) {
-      auto along = memory_variants(model, excitation, "softening", "softening", "k", "strain_scale", {0.05, 0.25}, 2.0);
+      auto along = memory_variants(model, excitation, "softening", "softening", "k", "strain_scale",
+                                   {0.05, 0.25}, 2.0);
       for (Variant& variant : along) {
-        variant.words += power > 1.0 ? ", growing with the cube of strain" : ", in proportion to strain";
+        variant.words +=
+            power > 1.0 ? ", growing with the cube of strain" : ", in proportion to strain";
         for (model::Term& term : variant.append) set_parameter(term.law, "power", power, true);
         variants.push_back(std::move(variant));
       }

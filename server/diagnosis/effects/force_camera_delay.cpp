@@ -12,9 +12,12 @@ Effect force_camera_delay() {
   effect.needs_rate = true;
   effect.mistaken_for = {"viscosity", "internal_friction"};
   effect.split_by = {"hold_and_blank_run",
-                     "A hold after a fast ramp, and a blank run with a spring of steel in the place of the specimen: a "
+                     "A hold after a fast ramp, and a blank run with a spring of steel in the "
+                     "place of the specimen: a "
                      "delay does not relax and stays with the rig.",
-                     {{"ramp", "as fast as the rig can"}, {"hold", "60 s"}, {"blank", "the same with a steel spring"}}};
+                     {{"ramp", "as fast as the rig can"},
+                      {"hold", "60 s"},
+                      {"blank", "the same with a steel spring"}}};
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     for (const model::SensorCorrection& c : model.corrections)
@@ -31,7 +34,8 @@ Effect force_camera_delay() {
   };
   effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
     if (!e.has_clock) return "no time was recorded";
-    if (!e.has_unloading && !e.splits_rate()) return "one rate and no way back: a delay looks like a bent curve";
+    if (!e.has_unloading && !e.splits_rate())
+      return "one rate and no way back: a delay looks like a bent curve";
     return std::nullopt;
   };
   return effect;

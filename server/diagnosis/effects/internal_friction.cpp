@@ -7,10 +7,13 @@ namespace tenter::diagnosis {
 Effect internal_friction() {
   Effect effect;
   effect.id = "internal_friction";
-  effect.words = "internal friction: the force lags behind every reversal of the strain, at any rate";
-  effect.mistaken_for = {"viscosity", "plastic_set", "force_camera_delay", "strain_dependent_friction"};
+  effect.words =
+      "internal friction: the force lags behind every reversal of the strain, at any rate";
+  effect.mistaken_for = {"viscosity", "plastic_set", "force_camera_delay",
+                         "strain_dependent_friction"};
   effect.split_by = {"two_rates_and_hold",
-                     "Repeat one loop at two rates a decade apart and hold for ten minutes at half the peak: friction "
+                     "Repeat one loop at two rates a decade apart and hold for ten minutes at half "
+                     "the peak: friction "
                      "keeps its loop width and its force, viscosity does not.",
                      {{"cycle", "one loop at a tenth of the rate"},
                       {"cycle", "the same loop at the full rate"},
@@ -22,7 +25,8 @@ Effect internal_friction() {
       variant.words = place_words(group);
       model::Model taken = model;
       for (const Place& place : group) {
-        model::Term term = new_term(taken, "friction_" + place.name, place.measure, place.angle_rad, "dahl");
+        model::Term term =
+            new_term(taken, "friction_" + place.name, place.measure, place.angle_rad, "dahl");
         set_parameter(term.law, "a", 0.0);
         set_parameter(term.law, "b", 0.0, true);
         set_parameter(term.law, "tau", 0.1 * place.reach());

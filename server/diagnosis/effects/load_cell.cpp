@@ -27,31 +27,38 @@ Effect load_cell(const std::string& id, const std::string& words, const std::str
     }
     return variants;
   };
-  effect.not_excited = [](const model::Model&, const Excitation&) -> std::optional<std::string> { return std::nullopt; };
+  effect.not_excited = [](const model::Model&, const Excitation&) -> std::optional<std::string> {
+    return std::nullopt;
+  };
   return effect;
 }
 
-const NextProtocol kDeadWeights = {
-    "dead_weights",
-    "Unmount the specimen, read zero, hang two known weights on the clip, read zero again after ten minutes.",
-    {{"blank", "no specimen, 60 s"}, {"weight", "two known weights in turn"}, {"blank", "no specimen, 600 s later"}}};
+const NextProtocol kDeadWeights = {"dead_weights",
+                                   "Unmount the specimen, read zero, hang two known weights on the "
+                                   "clip, read zero again after ten minutes.",
+                                   {{"blank", "no specimen, 60 s"},
+                                    {"weight", "two known weights in turn"},
+                                    {"blank", "no specimen, 600 s later"}}};
 
 }  // namespace
 
 Effect load_cell_offset() {
-  Effect effect = load_cell("load_cell_offset", "a constant error of the load cell", "offset", kDeadWeights);
+  Effect effect =
+      load_cell("load_cell_offset", "a constant error of the load cell", "offset", kDeadWeights);
   effect.mistaken_for = {"load_cell_drift", "plastic_set"};
   return effect;
 }
 
 Effect load_cell_gain() {
-  Effect effect = load_cell("load_cell_gain", "a load cell that shows a multiple of the force", "gain", kDeadWeights);
+  Effect effect = load_cell("load_cell_gain", "a load cell that shows a multiple of the force",
+                            "gain", kDeadWeights);
   effect.mistaken_for = {"anisotropy"};
   return effect;
 }
 
 Effect load_cell_drift() {
-  Effect effect = load_cell("load_cell_drift", "a zero of the load cell that moves with the clock", "drift", kDeadWeights);
+  Effect effect = load_cell("load_cell_drift", "a zero of the load cell that moves with the clock",
+                            "drift", kDeadWeights);
   effect.mistaken_for = {"load_cell_offset", "viscosity", "plastic_set"};
   effect.needs_rate = true;
   effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Nonlinear stiffness: a tangent that changes with strain, as a convex spline in the place of a constant.
+// Nonlinear stiffness: a tangent that changes with strain, as a convex spline in the place of a
+// constant.
 #include "server/diagnosis/effects/effects.h"
 
 namespace tenter::diagnosis {
 namespace {
 
-constexpr int kControlPoints = 4;  // one cubic tangent over the range, non-negative by its Bernstein coefficients
+constexpr int kControlPoints =
+    4;  // one cubic tangent over the range, non-negative by its Bernstein coefficients
 
 /// A spline that equals the constant stiffness k.
 model::Law flat_spline(const Place& place, double stiffness) {
   const model::Model empty;
-  model::Law law = new_term(empty, "spline", place.measure, 0.0, "convex_spline", kControlPoints).law;
+  model::Law law =
+      new_term(empty, "spline", place.measure, 0.0, "convex_spline", kControlPoints).law;
   law.range_lo = place.lo;
   law.range_hi = place.hi;
   for (model::Parameter& p : law.parameters) p.value = stiffness;
@@ -24,12 +27,18 @@ Effect nonlinear_stiffness() {
   effect.id = "nonlinear_stiffness";
   effect.words = "a stiffness that changes with strain, the same on the way up and down";
   effect.mistaken_for = {"anisotropy"};
-  effect.split_by = {"wider_range",
-                     "A slow ramp to a larger strain in each direction: the curve of force against strain bends.",
-                     {{"ramp", "to one and a half times the range, weft"}, {"ramp", "the same, warp"}}};
+  effect.split_by = {
+      "wider_range",
+      "A slow ramp to a larger strain in each direction: the curve of force against strain bends.",
+      {{"ramp", "to one and a half times the range, weft"}, {"ramp", "the same, warp"}}};
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
-    for (const auto& group : place_groups(places(model, excitation, true))) {
+    std::vector<Place> candidates = places(model, excitation, true);
+    // fibres at 45 degrees tie the two stretches together: without a coupling in the model they
+    // would be one in disguise
+    if (!has_coupling(model))
+      std::erase_if(candidates, [](const Place& place) { return place.name == "diagonal"; });
+    for (const auto& group : place_groups(candidates)) {
       Variant variant;
       variant.words = place_words(group);
       model::Model taken = model;
@@ -43,20 +52,24 @@ Effect nonlinear_stiffness() {
         }
         if (has_spline) continue;
         if (linear) {
-          variant.replace.emplace_back(linear->id, flat_spline(place, linear->law.parameters[0].value));
+          variant.replace.emplace_back(linear->id,
+                                       flat_spline(place, linear->law.parameters[0].value));
         } else {
-          model::Term term = new_term(taken, "stiffening_" + place.name, place.measure, place.angle_rad,
-                                      "convex_spline", kControlPoints);
+          model::Term term = new_term(taken, "stiffening_" + place.name, place.measure,
+                                      place.angle_rad, "convex_spline", kControlPoints);
           term.law = flat_spline(place, 0.0);
           taken.terms.push_back(term);
           variant.append.push_back(std::move(term));
         }
       }
-      if (variant.replace.size() + variant.append.size() == group.size()) variants.push_back(std::move(variant));
+      if (variant.replace.size() + variant.append.size() == group.size())
+        variants.push_back(std::move(variant));
     }
     return variants;
   };
-  effect.not_excited = [](const model::Model&, const Excitation&) -> std::optional<std::string> { return std::nullopt; };
+  effect.not_excited = [](const model::Model&, const Excitation&) -> std::optional<std::string> {
+    return std::nullopt;
+  };
   return effect;
 }
 

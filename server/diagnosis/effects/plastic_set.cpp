@@ -7,17 +7,19 @@ namespace tenter::diagnosis {
 Effect plastic_set() {
   Effect effect;
   effect.id = "plastic_set";
-  effect.words = "plastic set: each new maximum leaves the specimen longer, and small cycles do not undo it";
+  effect.words =
+      "plastic set: each new maximum leaves the specimen longer, and small cycles do not undo it";
   effect.mistaken_for = {"internal_friction", "first_cycle_softening"};
-  effect.split_by = {"nested_loops_with_return",
-                     "Loops to growing maxima with a return to zero and a few small cycles after each: friction's "
-                     "offset is undone by the small cycles, a set is not.",
-                     {{"cycle", "to a quarter of the range and back to zero force, three times"},
-                      {"cycle", "to a half, the same"},
-                      {"cycle", "to the full range, the same"}}};
+  effect.split_by = {
+      "nested_loops_with_return",
+      "Loops to growing maxima with a return to zero and a few small cycles after each: friction's "
+      "offset is undone by the small cycles, a set is not.",
+      {{"cycle", "to a quarter of the range and back to zero force, three times"},
+       {"cycle", "to a half, the same"},
+       {"cycle", "to the full range, the same"}}};
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
-    std::vector<Variant> variants =
-        memory_variants(model, excitation, "set", "plastic_set", "c", "yield_strain", {0.001, 0.3, 0.6}, 1.5);
+    std::vector<Variant> variants = memory_variants(model, excitation, "set", "plastic_set", "c",
+                                                    "yield_strain", {0.001, 0.3, 0.6}, 1.5);
     // a rest length that moves also moves what its direction does to the other
     for (const char* direction : {"weft", "warp"}) {
       const bool is_weft = direction == std::string("weft");
@@ -25,8 +27,9 @@ Effect plastic_set() {
       if (reach < 1e-4) continue;
       Variant variant;
       variant.words = std::string(direction) + ", with its coupling";
-      model::Term term = new_term(model, std::string("set_") + direction, is_weft ? "green_pair" : "green_pair_vu", 0.0,
-                                  "plastic_set_coupled");
+      model::Term term =
+          new_term(model, std::string("set_") + direction, is_weft ? "green_pair" : "green_pair_vu",
+                   0.0, "plastic_set_coupled");
       set_parameter(term.law, "c", 0.0);
       set_parameter(term.law, "coupling", 0.0);
       bound_parameter(term.law, "yield_strain", 1e-3 * reach, 1.5 * reach);

@@ -7,11 +7,13 @@ namespace tenter::diagnosis {
 Effect poisson_coupling() {
   Effect effect;
   effect.id = "poisson_coupling";
-  effect.words = "coupling of the two stretches: a pull along one direction narrows or loads the other";
+  effect.words =
+      "coupling of the two stretches: a pull along one direction narrows or loads the other";
   effect.mistaken_for = {"anisotropy", "nonlinear_stiffness"};
-  effect.split_by = {"biaxial_paths",
-                     "Biaxial paths with different ratios of the two stretches, both forces measured.",
-                     {{"ramp", "x alone, y held"}, {"ramp", "x and y together"}, {"ramp", "y alone, x held"}}};
+  effect.split_by = {
+      "biaxial_paths",
+      "Biaxial paths with different ratios of the two stretches, both forces measured.",
+      {{"ramp", "x alone, y held"}, {"ramp", "x and y together"}, {"ramp", "y alone, x held"}}};
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     const auto has = [&](const std::string& measure) {
@@ -19,8 +21,8 @@ Effect poisson_coupling() {
         if (term.strain.name == measure) return true;
       return false;
     };
-    const auto append = [&](const std::string& words, const std::string& measure, const std::string& law,
-                            const std::string& parameter) {
+    const auto append = [&](const std::string& words, const std::string& measure,
+                            const std::string& law, const std::string& parameter) {
       if (has(measure)) return;
       Variant variant;
       variant.words = words;

@@ -37,7 +37,8 @@ std::vector<Variant> memory_variants(const model::Model& model, const Excitation
     variant.words = place_words(group);
     model::Model taken = model;
     for (const Place& place : group) {
-      model::Term term = new_term(taken, id + "_" + place.name, place.measure, place.angle_rad, law);
+      model::Term term =
+          new_term(taken, id + "_" + place.name, place.measure, place.angle_rad, law);
       set_parameter(term.law, amplitude, 0.0);
       bound_parameter(term.law, scale, 1e-3 * place.hi, longest * place.hi);
       taken.terms.push_back(term);

@@ -7,14 +7,16 @@ namespace tenter::diagnosis {
 Effect strain_dependent_friction() {
   Effect effect;
   effect.id = "strain_dependent_friction";
-  effect.words = "friction that grows with strain: loops are wider where the specimen is stretched more";
+  effect.words =
+      "friction that grows with strain: loops are wider where the specimen is stretched more";
   effect.mistaken_for = {"internal_friction", "viscosity"};
-  effect.split_by = {"nested_loops_at_offsets",
-                     "Small loops of the same amplitude about several offset strains: their width shows how the "
-                     "friction grows.",
-                     {{"cycle", "loops of a tenth of the range at a quarter of it"},
-                      {"cycle", "the same at a half"},
-                      {"cycle", "the same at the full range"}}};
+  effect.split_by = {
+      "nested_loops_at_offsets",
+      "Small loops of the same amplitude about several offset strains: their width shows how the "
+      "friction grows.",
+      {{"cycle", "loops of a tenth of the range at a quarter of it"},
+       {"cycle", "the same at a half"},
+       {"cycle", "the same at the full range"}}};
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     // friction that is there already gets the growth with strain: linear, then quadratic
@@ -26,7 +28,8 @@ Effect strain_dependent_friction() {
       if (term.law.name != "dahl") continue;
       for (const model::Parameter& p : term.law.parameters) {
         if (p.name == "b" && p.fixed) linear.unfix.push_back(term.id + ".b");
-        if ((p.name == "b" || p.name == "c") && p.fixed) quadratic.unfix.push_back(term.id + "." + p.name);
+        if ((p.name == "b" || p.name == "c") && p.fixed)
+          quadratic.unfix.push_back(term.id + "." + p.name);
       }
     }
     if (!linear.unfix.empty()) variants.push_back(linear);
@@ -37,7 +40,8 @@ Effect strain_dependent_friction() {
       variant.words = place_words(group);
       model::Model taken = model;
       for (const Place& place : group) {
-        model::Term term = new_term(taken, "friction_" + place.name, place.measure, place.angle_rad, "dahl");
+        model::Term term =
+            new_term(taken, "friction_" + place.name, place.measure, place.angle_rad, "dahl");
         set_parameter(term.law, "a", 0.0);
         set_parameter(term.law, "b", 0.0);
         set_parameter(term.law, "tau", 0.1 * place.reach());

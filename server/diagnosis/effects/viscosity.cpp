@@ -9,15 +9,18 @@ namespace tenter::diagnosis {
 Effect viscosity() {
   Effect effect;
   effect.id = "viscosity";
-  effect.words = "viscosity: the force depends on how fast the strain changes and relaxes in a hold";
+  effect.words =
+      "viscosity: the force depends on how fast the strain changes and relaxes in a hold";
   effect.needs_rate = true;
   effect.mistaken_for = {"internal_friction", "force_camera_delay", "strain_dependent_friction"};
-  effect.split_by = {"two_rates_and_hold",
-                     "Repeat one loop at two rates a decade apart and hold for ten minutes at half the peak: viscosity "
-                     "changes its loop width with the rate and relaxes in the hold, friction does neither.",
-                     {{"cycle", "one loop at a tenth of the rate"},
-                      {"cycle", "the same loop at the full rate"},
-                      {"hold", "hold for 600 s at half the peak, loading"}}};
+  effect.split_by = {
+      "two_rates_and_hold",
+      "Repeat one loop at two rates a decade apart and hold for ten minutes at half the peak: "
+      "viscosity "
+      "changes its loop width with the rate and relaxes in the hold, friction does neither.",
+      {{"cycle", "one loop at a tenth of the rate"},
+       {"cycle", "the same loop at the full rate"},
+       {"hold", "hold for 600 s at half the peak, loading"}}};
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     const double shortest = std::max(excitation.shortest_step_s, 1e-4 * excitation.longest_s);
@@ -29,12 +32,14 @@ Effect viscosity() {
       voigt.words = "Kelvin-Voigt, " + place_words(group);
       model::Model taken = model;
       for (const Place& place : group) {
-        model::Term term = new_term(taken, "viscous_" + place.name, place.measure, place.angle_rad, "maxwell");
+        model::Term term =
+            new_term(taken, "viscous_" + place.name, place.measure, place.angle_rad, "maxwell");
         set_parameter(term.law, "k", 0.0);
         bound_parameter(term.law, "relaxation_time", 0.3 * shortest, 10.0 * excitation.longest_s);
         maxwell.append.push_back(term);
         taken.terms.push_back(std::move(term));
-        term = new_term(model, "dashpot_" + place.name, place.measure, place.angle_rad, "kelvin_voigt");
+        term = new_term(model, "dashpot_" + place.name, place.measure, place.angle_rad,
+                        "kelvin_voigt");
         set_parameter(term.law, "eta", 0.0);
         voigt.append.push_back(std::move(term));
       }
@@ -42,7 +47,8 @@ Effect viscosity() {
       for (int i = 0; i < kTimes; ++i) {
         Setting setting;
         for (const model::Term& term : maxwell.append)
-          setting.emplace_back(term.id + ".relaxation_time", shortest * std::pow(ratio, (i + 0.7) / kTimes));
+          setting.emplace_back(term.id + ".relaxation_time",
+                               shortest * std::pow(ratio, (i + 0.7) / kTimes));
         maxwell.grid.push_back(std::move(setting));
       }
       variants.push_back(std::move(maxwell));

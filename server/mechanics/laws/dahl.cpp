@@ -6,7 +6,8 @@
 namespace tenter::mechanics {
 namespace {
 
-// On one side of zero sigma_max = a + B e + c e^2 with B = +-b. A particular solution of s' + s0 s/tau = sigma_max/tau is
+// On one side of zero sigma_max = a + B e + c e^2 with B = +-b. A particular solution of s' + s0
+// s/tau = sigma_max/tau is
 //   g(e) = s sigma_max(e) - tau sigma_max'(e) + s tau^2 sigma_max''
 // (s the sign of the increment; s^2 = 1), and so exactly
 //   sigma(e1) = g(e1) + (sigma0 - g(e0)) E,   E = exp(-|e1 - e0| / tau).
@@ -32,15 +33,16 @@ DahlStep one_sided(double e0, double s0, double e1, const double* p, double side
   DahlStep step;
   const double offset = s0 - g(e0);
   step.stress = g(e1) + offset * decay;
-  step.potential =
-      antiderivative(e1) - antiderivative(e0) + offset * s * tau * (1.0 - decay);
+  step.potential = antiderivative(e1) - antiderivative(e0) + offset * s * tau * (1.0 - decay);
   step.by_e1 = g_by_e(e1) - offset * decay * s / tau;
   step.by_e0 = -g_by_e(e0) * decay + offset * decay * s / tau;
   step.by_s0 = decay;
 
-  const double g1[4] = {s, side * (s * e1 - tau), s * e1 * e1 - 2.0 * tau * e1 + 2.0 * s * tau * tau,
+  const double g1[4] = {s, side * (s * e1 - tau),
+                        s * e1 * e1 - 2.0 * tau * e1 + 2.0 * s * tau * tau,
                         -(b + 2.0 * c * e1) + 4.0 * s * tau * c};
-  const double g0[4] = {s, side * (s * e0 - tau), s * e0 * e0 - 2.0 * tau * e0 + 2.0 * s * tau * tau,
+  const double g0[4] = {s, side * (s * e0 - tau),
+                        s * e0 * e0 - 2.0 * tau * e0 + 2.0 * s * tau * tau,
                         -(b + 2.0 * c * e0) + 4.0 * s * tau * c};
   for (int k = 0; k < 4; ++k) step.by_parameter[k] = g1[k] - g0[k] * decay;
   step.by_parameter[3] += offset * decay * s * (e1 - e0) / (tau * tau);

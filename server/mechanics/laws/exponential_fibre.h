@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Exponential fibre: Psi = k/(2 beta) (exp(beta eps^2) - 1), stress k eps exp(beta eps^2); linear for beta = 0.
+// Exponential fibre: Psi = k/(2 beta) (exp(beta eps^2) - 1), stress k eps exp(beta eps^2); linear
+// for beta = 0.
 #pragma once
 
 #include "server/mechanics/law.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Constant stiffness, Psi = k/2 |eps|^2, on any number of strains, and the bilinear coupling Psi = c eps1 eps2 of the
-// additive form of St. Venant-Kirchhoff (thesis 4.3).
+// Constant stiffness, Psi = k/2 |eps|^2, on any number of strains, and the bilinear coupling Psi =
+// c eps1 eps2 of the additive form of St. Venant-Kirchhoff (thesis 4.3).
 #pragma once
 
 #include "server/mechanics/law.h"

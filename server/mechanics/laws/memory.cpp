@@ -16,10 +16,13 @@ bool remember(const LawInput& in, LawOutput& out) {
   return grows;
 }
 
-/// Integral of x^n exp((x - m)/scale) from 0 to e, by Gauss-Legendre on eight intervals: smooth, no closed form for any n.
+/// Integral of x^n exp((x - m)/scale) from 0 to e, by Gauss-Legendre on eight intervals: smooth, no
+/// closed form for any n.
 double weighted_power_integral(double e, double n, double scale, double m) {
-  static constexpr double kNodes[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
-  static constexpr double kWeights[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+  static constexpr double kNodes[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                      0.9602898564975363};
+  static constexpr double kWeights[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                                        0.1012285362903763};
   constexpr int kIntervals = 8;
   double sum = 0.0;
   for (int i = 0; i < kIntervals; ++i) {
@@ -55,8 +58,8 @@ void PlasticSetLaw::evaluate(const LawInput& in, LawOutput& out) const {
   out.energy = -0.5 * c * (beyond * beyond - start * start) - c * start * in.state[0];
 }
 
-// Not the gradient of one potential in the step (the second strain does not move the rest length): energy is that of
-// the rest length held, up to a constant.
+// Not the gradient of one potential in the step (the second strain does not move the rest length):
+// energy is that of the rest length held, up to a constant.
 void CoupledPlasticSetLaw::evaluate(const LawInput& in, LawOutput& out) const {
   const bool grows = remember(in, out);
   const double amplitude[2] = {in.parameters[0], in.parameters[1]};
@@ -88,7 +91,8 @@ void SofteningLaw::evaluate(const LawInput& in, LawOutput& out) const {
   out.stress_by_parameter[0][0] = -power * (1.0 - near);
   out.stress_by_parameter[0][1] = k * power * near * below / (scale * scale);
   out.stress_by_parameter[0][2] = out.stress[0] * std::log(e);
-  out.energy = -k * std::pow(e, n + 1.0) / (n + 1.0) + k * weighted_power_integral(e, n, scale, out.state[0]);
+  out.energy = -k * std::pow(e, n + 1.0) / (n + 1.0) +
+               k * weighted_power_integral(e, n, scale, out.state[0]);
 }
 
 }  // namespace tenter::mechanics

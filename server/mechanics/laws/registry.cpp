@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The rows of the law catalogue: a name and how to make the law. A new law adds its file and one row.
+// The rows of the law catalogue: a name and how to make the law. A new law adds its file and one
+// row.
 #include <cmath>
 #include <string>
 #include <string_view>

@@ -23,8 +23,7 @@ double bspline_value(int basis, int degree, int intervals, double x) {
       const double right = knot(i + d + 1) - knot(i + 1);
       double value = 0.0;
       if (left > 0.0) value += (x - knot(i)) / left * b[static_cast<std::size_t>(i)];
-      if (right > 0.0)
-        value += (knot(i + d + 1) - x) / right * b[static_cast<std::size_t>(i + 1)];
+      if (right > 0.0) value += (knot(i + d + 1) - x) / right * b[static_cast<std::size_t>(i + 1)];
       b[static_cast<std::size_t>(i)] = value;
     }
   }
@@ -34,7 +33,12 @@ double bspline_value(int basis, int degree, int intervals, double x) {
 }  // namespace
 
 SplineLaw::SplineLaw(Form form, int strains, int points, double range_lo, double range_hi)
-    : Law(strains, points, 0), form_(form), points_(points), intervals_(1), lo_(range_lo), width_(1.0) {
+    : Law(strains, points, 0),
+      form_(form),
+      points_(points),
+      intervals_(1),
+      lo_(range_lo),
+      width_(1.0) {
   if (points == 1) {
     pieces_.resize(1);
     pieces_[0].c[0] = 1.0;
@@ -51,7 +55,8 @@ SplineLaw::SplineLaw(Form form, int strains, int points, double range_lo, double
   build_moments();
 }
 
-// k(t) = h00 k_i + h10 m_i + h01 k_(i+1) + h11 m_(i+1) with central differences for the slopes m, one-sided at the ends.
+// k(t) = h00 k_i + h10 m_i + h01 k_(i+1) + h11 m_(i+1) with central differences for the slopes m,
+// one-sided at the ends.
 void SplineLaw::build_hermite() {
   pieces_.resize(static_cast<std::size_t>(points_ * intervals_));
   const auto value_at = [](int basis, int point) { return basis == point ? 1.0 : 0.0; };
@@ -86,7 +91,8 @@ void SplineLaw::build_bspline() {
   for (int j = 0; j < points_; ++j) {
     for (int i = 0; i < intervals_; ++i) {
       Eigen::Vector4d values;
-      // inside the interval only, then by continuity: the recursion belongs to the interval of its argument
+      // inside the interval only, then by continuity: the recursion belongs to the interval of its
+      // argument
       for (int r = 0; r < 4; ++r) {
         const double t = std::min(r / 3.0, 1.0 - 1e-15);
         values[r] = bspline_value(j, degree, intervals_, i + t);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Spline laws, the same curve on each strain of the measure; all are linear in their parameters.
 //
-//   hermite_stiffness  sigma = k(eps) eps, k a cubic Hermite spline through n control points (thesis 3.3.2), the energy
+//   hermite_stiffness  sigma = k(eps) eps, k a cubic Hermite spline through n control points
+//   (thesis 3.3.2), the energy
 //                      its closed-form integral; one point is the linear law
-//   bspline_stiffness  the same with a clamped cubic B-spline, which stays non-negative when its coefficients are
-//   convex_spline      sigma = integral of E from 0, E(eps) = sum e_j B_j(eps) >= 0: the energy is convex in the strain
+//   bspline_stiffness  the same with a clamped cubic B-spline, which stays non-negative when its
+//   coefficients are convex_spline      sigma = integral of E from 0, E(eps) = sum e_j B_j(eps) >=
+//   0: the energy is convex in the strain
 //
 // Control points are even over [range_lo, range_hi]; outside, the end value of k (of E) continues.
 #pragma once
@@ -21,8 +23,8 @@ class SplineLaw final : public Law {
   void evaluate(const LawInput& in, LawOutput& out) const override;
 
  private:
-  /// One basis function on one interval: value = sum_k c[k] t^k, t in [0, 1]; and the integrals of value * eps^power
-  /// from the first control point to the interval's start.
+  /// One basis function on one interval: value = sum_k c[k] t^k, t in [0, 1]; and the integrals of
+  /// value * eps^power from the first control point to the interval's start.
   struct Piece {
     double c[4] = {0.0, 0.0, 0.0, 0.0};
     double moment[2] = {0.0, 0.0};

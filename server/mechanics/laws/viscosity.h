@@ -6,7 +6,8 @@
 //                 parameters k (N/m), T = relaxation_time (s)
 //   kelvin_voigt  sigma = eta d eps/dt, parameter eta (N s/m)
 //
-// A step without duration is instantaneous for Maxwell (sigma rises by k d eps) and has no rate for Kelvin-Voigt.
+// A step without duration is instantaneous for Maxwell (sigma rises by k d eps) and has no rate for
+// Kelvin-Voigt.
 #pragma once
 
 #include "server/mechanics/law.h"

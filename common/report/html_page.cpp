@@ -85,7 +85,7 @@ svg .cursor { stroke: var(--soft); stroke-width: .7; stroke-dasharray: 2 3; poin
 .dot { stroke-width: 4.2; stroke-linecap: round; }
 .hole { stroke: var(--card); stroke-width: 2.2; stroke-linecap: round; }
 .line { stroke-width: 1.9; stroke-linejoin: round; }
-.cross { stroke-width: 1.8; }
+.cross { stroke-width: 1.5; stroke-opacity: .75; }
 .measured .dot, .measured .line { stroke: var(--measured); }
 .measured .dot { stroke-opacity: .75; } .measured .line { stroke-width: 1.2; stroke-opacity: .6; }
 .baseline .dot, .baseline .line { stroke: var(--baseline); } .baseline .line { stroke-dasharray: 7 4; }

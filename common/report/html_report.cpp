@@ -25,6 +25,13 @@ std::string navigation(const std::string& body) {
   return links.empty() ? "" : "<nav>" + links + "</nav>\n";
 }
 
+/// Headlines break between words, not within "first-cycle".
+std::string unbroken(std::string html) {
+  for (std::size_t at = html.find('-'); at != std::string::npos; at = html.find('-', at + 1))
+    html.replace(at, 1, "\u2011");
+  return html;
+}
+
 std::string synthetic_note(const Json& result) {
   std::size_t synthetic = 0;
   for (const Json& capture : list(result, "captures"))
@@ -62,7 +69,7 @@ Expected<std::string> render_html(const std::string& result_json) {
                               model_table(result) + parameter_table(result) + path_table(result) +
                               screen_table(result) + checklist_table(result);
   std::string body = "<header>\n<div class=\"over\">" + escape_html(subject(result)) +
-                     "</div>\n<h1>" + escape_html(headline(result)) + "</h1>\n" +
+                     "</div>\n<h1>" + unbroken(escape_html(headline(result))) + "</h1>\n" +
                      synthetic_note(result) + navigation(details) + "</header>\n";
   body += summary_cards(result) + verdict_table(result) + details;
   body += "<footer>" + fit_note(result) +

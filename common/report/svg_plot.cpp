@@ -94,8 +94,8 @@ std::string crosses_path(const PlotSeries& s, const Frame& frame) {
     if (!finite(s, i)) continue;
     const double px = frame.px(s.x[i]);
     const double py = frame.py(s.y[i]);
-    d += "M" + coordinate(px - 4) + " " + coordinate(py - 4) + "l8 8M" + coordinate(px - 4) + " " +
-         coordinate(py + 4) + "l8 -8";
+    d += "M" + coordinate(px - 3) + " " + coordinate(py - 3) + "l6 6M" + coordinate(px - 3) + " " +
+         coordinate(py + 3) + "l6 -6";
   }
   return d;
 }

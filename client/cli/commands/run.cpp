@@ -44,7 +44,7 @@ Expected<void> start(Context& context, Draft& draft) {
 CLI::App* add_run(CLI::App& app, Context& context, const char* kind, const char* words,
                   const char* footer, const std::shared_ptr<Draft>& draft) {
   draft->run.kind = kind;
-  draft->run.model = "stvk_orthotropic";
+  draft->run.model = "stvk_diagonal";
   CLI::App* command = app.add_subcommand(kind, words);
   command->footer(footer);
   command
@@ -54,7 +54,7 @@ CLI::App* add_run(CLI::App& app, Context& context, const char* kind, const char*
       ->required();
   command
       ->add_option("--model", draft->run.model,
-                   "Name of a shipped model, or a model file. Default: stvk_orthotropic.")
+                   "Name of a shipped model, or a model file. Default: stvk_diagonal.")
       ->type_name("NAME_OR_FILE");
   command->add_option("--seed", draft->seed, "Seed of everything random in the job.")
       ->type_name("N")

@@ -45,11 +45,6 @@ Connection::Connection(ClientOptions options)
 Connection::~Connection() {
   if (!participant_) return;
   participant_->loop().cancel(timer_);
-  if (presence_) {
-    v1::Presence key;
-    key.client_id(client_id_);
-    presence_->dispose(key);
-  }
   announcements_.reset();
   replies_.reset();
   requests_.reset();

@@ -104,11 +104,6 @@ Expected<UploadResult> Upload::run() {
   result_.sha256 = *sha256;
   result_.bytes_total = size_;
 
-  wire::ReaderHandlers<v1::ChunkAck> handlers;
-  handlers.on_sample = [this](v1::ChunkAck& ack, const wire::Peer&) { take(ack); };
-  acks_ = std::make_unique<wire::Reader<v1::ChunkAck>>(
-      connection_.participant(), wire::chunk_ack_topic(connection_.options().user), handlers);
-
   std::uint64_t best = 0;  // progress is a chunk written, or a step that ended
   auto since = Clock::now();
   for (;;) {
@@ -151,6 +146,10 @@ Expected<Upload::Step> Upload::open() {
     const auto to = std::min(range[1].get<std::uint64_t>(), chunks_ - 1);
     for (auto i = range[0].get<std::uint64_t>(); i <= to; ++i) missing_.push_back(i);
   }
+  if (*transfer != transfer_) {  // a server that was started anew names it anew
+    writer_.reset();
+    acks_.reset();
+  }
   {
     std::lock_guard lock(mutex_);
     transfer_ = *transfer;
@@ -168,6 +167,13 @@ Expected<Upload::Step> Upload::open() {
 Expected<void> Upload::connect(const wire::Uuid& transfer) {
   auto server = connection_.wait_for_server(stop_);
   if (!server) return tl::unexpected(server.error());
+  if (!acks_) {
+    wire::ReaderHandlers<v1::ChunkAck> handlers;
+    handlers.on_sample = [this](v1::ChunkAck& ack, const wire::Peer&) { take(ack); };
+    acks_ = std::make_unique<wire::Reader<v1::ChunkAck>>(
+        connection_.participant(), wire::chunk_ack_topic(connection_.options().user, transfer),
+        std::move(handlers));
+  }
   if (!writer_)
     writer_ = std::make_unique<wire::Writer<v1::Chunk>>(
         connection_.participant(), wire::chunk_up_topic(connection_.options().user, transfer),

@@ -54,9 +54,6 @@ class WriterCore {
   WriterCore& operator=(const WriterCore&) = delete;
 
   Expected<void> write(void* sample, std::chrono::milliseconds deadline);
-  /// Ends the instance: readers are told, and its place is free for another.
-  void dispose(void* sample);
-  void unregister(void* sample);
   bool matched(const Peer& peer) const;
   int matched_count() const;
   bool wait_acknowledged(std::chrono::milliseconds deadline);
@@ -72,7 +69,6 @@ class ReaderCore {
     std::function<std::string(const void*)> check;  ///< "" or why not
     std::function<void(void*, const Peer&)> sample;
     std::function<void(void*, const Peer&, const std::string&)> refused;
-    std::function<void(const Uuid&, const Peer&)> gone;
     MatchHandler match;
     MatchHandler alive;
   };
@@ -111,8 +107,6 @@ class Writer {
     sample.header().counter(++counter_);
     return core_.write(&sample, deadline);
   }
-  void dispose(T& key) { core_.dispose(&key); }
-  void unregister(T& key) { core_.unregister(&key); }
   bool matched(const Peer& peer) const { return core_.matched(peer); }
   int matched_count() const { return core_.matched_count(); }
   bool wait_acknowledged(std::chrono::milliseconds deadline) {
@@ -130,8 +124,6 @@ template <class T>
 struct ReaderHandlers {
   std::function<void(T&, const Peer&)> on_sample;  ///< may move out of the sample
   std::function<void(T&, const Peer&, const std::string&)> on_refused;  ///< the sample and why
-  std::function<void(const Uuid&, const Peer&)>
-      on_gone;  ///< instance (its key, if that is one Uuid)
   MatchHandler on_match;
   MatchHandler on_alive;  ///< the peer's liveliness on this topic came back (true) or was lost
 };
@@ -157,7 +149,6 @@ class Reader {
                                                            const std::string& why) {
         f(*static_cast<T*>(sample), peer, why);
       };
-    handlers.gone = std::move(typed.on_gone);
     handlers.match = std::move(typed.on_match);
     handlers.alive = std::move(typed.on_alive);
     return handlers;

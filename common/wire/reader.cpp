@@ -85,14 +85,7 @@ class ReaderCore::Impl final : public dds::DataReaderListener,
 
   void hand_over(const dds::SampleInfo& info) {
     const Peer peer = peer_of_handle(info.publication_handle);
-    if (!info.valid_data) {
-      if (handlers_.gone && info.instance_state != dds::ALIVE_INSTANCE_STATE) {
-        Uuid instance{};
-        for (unsigned i = 0; i < instance.size(); ++i) instance[i] = info.instance_handle.value[i];
-        handlers_.gone(instance, peer);
-      }
-      return;
-    }
+    if (!info.valid_data) return;  // an instance has ended
     ++taken_;
     const std::string why_not = handlers_.check(sample_);
     if (why_not.empty()) {

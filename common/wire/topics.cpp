@@ -40,23 +40,18 @@ Topic server_topic() {
 
 Topic presence_topic() {
   return {.name = named("presence"),
-          .max_instances = 4 * kMaxClients,
+          .depth = 256,
           .lifespan = milliseconds(10000),
           .liveliness = milliseconds(5000)};
 }
 
+// A reply in parts may take 64 places, and all clients of one user share the history.
 Topic request_topic(std::string_view user) {
-  return {.name = named(kRequest, user),
-          .depth = 64,
-          .max_instances = kMaxClients,
-          .lifespan = milliseconds(30000)};
+  return {.name = named(kRequest, user), .depth = 256, .lifespan = milliseconds(30000)};
 }
 
 Topic reply_topic(std::string_view user) {
-  return {.name = named("reply/", user),
-          .depth = 64,
-          .max_instances = kMaxClients,
-          .lifespan = milliseconds(30000)};
+  return {.name = named("reply/", user), .depth = 256, .lifespan = milliseconds(30000)};
 }
 
 Topic job_state_topic() {
@@ -64,7 +59,7 @@ Topic job_state_topic() {
 }
 
 Topic job_event_topic() {
-  return {.name = named("job_event"), .depth = 64, .max_instances = kMaxJobInstances};
+  return {.name = named("job_event"), .depth = 256};
 }
 
 Topic fit_progress_topic() {
@@ -80,11 +75,8 @@ Topic chunk_down_topic(std::string_view user, const Uuid& transfer) {
   return chunk_topic("chunk_down/", user, transfer);
 }
 
-Topic chunk_ack_topic(std::string_view user) {
-  return {.name = named("chunk_ack/", user),
-          .transient_local = true,
-          .max_instances = 2 * kMaxTransfers,
-          .lifespan = milliseconds(30000)};
+Topic chunk_ack_topic(std::string_view user, const Uuid& transfer) {
+  return {.name = named("chunk_ack/", user) + '/' + to_text(transfer), .transient_local = true};
 }
 
 std::string_view user_of_request_topic(std::string_view name) {

@@ -18,8 +18,8 @@ struct Topic {
   bool reliable = true;
   bool transient_local = false;  ///< who comes late gets what the history holds
   bool keep_all = false;         ///< else the last `depth` of each instance
-  int depth = 1;                 ///< samples of one instance
-  int max_instances = 1;
+  int depth = 1;                 ///< samples of one instance, or of all where the type has no key
+  int max_instances = 1;         ///< of types with a key
   std::chrono::milliseconds lifespan{0};
   std::chrono::milliseconds liveliness{0};
   bool large = false;  ///< megabytes: payloads are kept and used again
@@ -36,13 +36,12 @@ Topic fit_progress_topic();
 /// hold up the others, since nothing of these may be dropped.
 Topic chunk_up_topic(std::string_view user, const Uuid& transfer);
 Topic chunk_down_topic(std::string_view user, const Uuid& transfer);
-Topic chunk_ack_topic(std::string_view user);
+Topic chunk_ack_topic(std::string_view user, const Uuid& transfer);
 
-/// Jobs that job_state and fit_progress hold at a time; the publisher lets the oldest ended ones
-/// go.
+/// Jobs that job_state and fit_progress hold at a time; the publisher lets the ended ones go
+/// before.
 inline constexpr int kMaxJobInstances = 4096;
-/// Clients of one user; transfers of one user at a time.
-inline constexpr int kMaxClients = 256;
+/// Transfers of one user at a time, in each direction.
 inline constexpr int kMaxTransfers = 16;
 
 /// The user in a request topic's name; "" if the name is not one of ours.

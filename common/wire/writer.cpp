@@ -99,19 +99,6 @@ Expected<void> WriterCore::write(void* sample, std::chrono::milliseconds deadlin
   }
 }
 
-void WriterCore::dispose(void* sample) {
-  if (!impl_->writer_) return;
-  const auto handle = impl_->writer_->lookup_instance(sample);
-  impl_->writer_->dispose(sample, handle);
-  impl_->writer_->unregister_instance(sample, handle);
-}
-
-void WriterCore::unregister(void* sample) {
-  if (!impl_->writer_) return;
-  const auto handle = impl_->writer_->lookup_instance(sample);
-  if (handle.isDefined()) impl_->writer_->unregister_instance(sample, handle);
-}
-
 bool WriterCore::matched(const Peer& peer) const {
   std::lock_guard lock(impl_->mutex_);
   return impl_->peers_.count(peer) > 0;

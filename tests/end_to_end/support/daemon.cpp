@@ -6,7 +6,6 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
-#include <sys/file.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -28,25 +27,6 @@ TempFolder::TempFolder() {
 TempFolder::~TempFolder() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
-}
-
-Domain::Domain() {
-  for (int number = 60; number <= 230 && lock_ < 0; ++number) {
-    const auto file = fs::temp_directory_path() / ("tenter-test-domain-" + std::to_string(number));
-    const int lock = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (lock < 0) continue;
-    if (::flock(lock, LOCK_EX | LOCK_NB) == 0) {
-      number_ = number;
-      lock_ = lock;
-    } else {
-      ::close(lock);
-    }
-  }
-  if (lock_ < 0) std::abort();
-}
-
-Domain::~Domain() {
-  ::close(lock_);
 }
 
 Daemon::Daemon(DaemonOptions options) : options_(std::move(options)) {

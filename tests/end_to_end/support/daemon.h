@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "client/api/client.h"
+#include "tests/common/wire/domain.h"
 
 namespace tenter::test {
 
@@ -29,20 +30,6 @@ class TempFolder {
 
  private:
   std::filesystem::path path_;
-};
-
-/// A DDS domain that no other test on this machine has; held by a lock on a file.
-class Domain {
- public:
-  Domain();
-  ~Domain();
-  Domain(const Domain&) = delete;
-  Domain& operator=(const Domain&) = delete;
-  int number() const { return number_; }
-
- private:
-  int number_ = -1;
-  int lock_ = -1;
 };
 
 struct DaemonOptions {

@@ -3,7 +3,9 @@
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/test_UDPv4TransportDescriptor.h>
+#include <fastrtps/attributes/LibrarySettingsAttributes.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
@@ -138,6 +140,18 @@ Expected<void> add_security(dds::DomainParticipantQos& qos, const std::string& f
   for (const auto& [key, name] : files)
     if (auto added = file(key, name); !added) return added;
   return {};
+}
+
+// Settings of the library, for the whole process, before its first participant. Delivery inside one
+// process takes a shortcut that stalls for good once a reader's history was full.
+void prepare_library() {
+  install_quiet_log();
+  static std::once_flag once;
+  std::call_once(once, [] {
+    eprosima::fastrtps::LibrarySettingsAttributes settings;
+    settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+  });
 }
 
 Expected<void> complete_from_environment(ParticipantOptions& options) {
@@ -281,7 +295,7 @@ Loop& Participant::loop() {
 Expected<std::unique_ptr<Participant>> Participant::create(ParticipantOptions options) {
   if (auto complete = complete_from_environment(options); !complete)
     return tl::unexpected(complete.error());
-  install_quiet_log();
+  prepare_library();
 
   dds::DomainParticipantQos qos;
   qos.name(options.role == Role::server ? "tenterd" : "tenter");

@@ -96,7 +96,7 @@ class Nonsense final : public eprosima::fastdds::dds::TopicDataType {
  public:
   explicit Nonsense(const char* name) {
     m_typeSize = 256;
-    m_isGetKeyDefined = true;
+    m_isGetKeyDefined = false;
     setName(name);
   }
   bool serialize(void* data, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override {

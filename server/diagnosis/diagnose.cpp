@@ -32,7 +32,7 @@ void parallel(int threads, int count, const std::function<void(int)>& task) {
     });
 }
 
-/// The best few of a screen: of each effect the two best variants with one part and the best with
+/// The best few of a screen: of each effect the three best variants with one part and the best with
 /// two, three, ..., each at its best grid point, so that the refits can weigh parts against gain.
 std::vector<Candidate> shortlist(const Screen& screen, const estimation::FitResult& fit,
                                  std::size_t effects) {
@@ -54,7 +54,7 @@ std::vector<Candidate> shortlist(const Screen& screen, const estimation::FitResu
         c->variant.append.size() + c->variant.replace.size() + c->variant.corrections.size();
     if (!taken.contains(c->effect) && taken.size() >= effects) continue;
     if (taken[c->effect].contains(c->variant.words)) continue;
-    if (of_size[{c->effect, parts}] >= (parts <= 1 ? 2 : 1)) continue;
+    if (of_size[{c->effect, parts}] >= (parts <= 1 ? 3 : 1)) continue;
     ++of_size[{c->effect, parts}];
     taken[c->effect].insert(c->variant.words);
     chosen.push_back(*c);
@@ -74,7 +74,7 @@ std::vector<Trial> run_round(const std::vector<Candidate>& candidates, const Ref
   parallel(control.threads, static_cast<int>(candidates.size()), [&](int i) {
     if (control.stop.stop_requested()) return;
     trials[static_cast<std::size_t>(i)] =
-        refit(candidates[static_cast<std::size_t>(i)], current.model, d.data);
+        refit(candidates[static_cast<std::size_t>(i)], current, d.data);
   });
   std::erase_if(trials, [](const Trial& t) { return !t.fit.usable; });
   double rows = current.fit.effective_rows;

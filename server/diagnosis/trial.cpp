@@ -40,30 +40,37 @@ double information(double chi2, int parameters, int added_effects, double rows) 
          2.0 * added_effects * std::log(static_cast<double>(catalogue().size()));
 }
 
-Trial refit(const Candidate& candidate, const model::Model& base, const DataPointer& data) {
+Trial refit(const Candidate& candidate, const Reference& base, const DataPointer& data) {
   Trial trial;
   trial.effect = candidate.effect;
   trial.variant = candidate.variant;
   trial.ratio = candidate.ratio;
   trial.data = data;
-  trial.model = extend(base, candidate.variant, candidate.setting, candidate.effect->id);
+  trial.model = extend(base.model, candidate.variant, candidate.setting, candidate.effect->id);
   estimation::adapt_spline_ranges(trial.model, data->curves);
   auto evaluator = estimation::Evaluator::make(trial.model, data);
   if (!evaluator) return trial;
   estimation::FitOptions options;
-  options.max_iterations = 40;
+  options.max_iterations = 60;
   options.tolerance = 1e-6;
   trial.fit = estimation::fit(*evaluator, trial.model, options);
-  if (!trial.fit.usable) {  // the expected amplitudes may be too far: once more from "off"
+  // where the expected amplitudes led too far (a free direction bends the way there), once more
+  // from "off"
+  if (!trial.fit.usable || trial.fit.chi2 > base.fit.chi2 - 0.5 * candidate.gain) {
     Setting grid_only;
     for (const auto& [address, value] : candidate.setting)
-      for (const Setting& point : candidate.variant.grid)
-        for (const auto& entry : point)
-          if (entry.first == address && entry.second == value)
-            grid_only.emplace_back(address, value);
-    trial.model = extend(base, candidate.variant, grid_only, candidate.effect->id);
-    estimation::adapt_spline_ranges(trial.model, data->curves);
-    trial.fit = estimation::fit(*evaluator, trial.model, options);
+      for (const std::vector<Setting>* grid : {&candidate.variant.grid, &candidate.variant.finer})
+        for (const Setting& point : *grid)
+          for (const auto& entry : point)
+            if (entry.first == address && entry.second == value)
+              grid_only.emplace_back(address, value);
+    model::Model off = extend(base.model, candidate.variant, grid_only, candidate.effect->id);
+    estimation::adapt_spline_ranges(off, data->curves);
+    estimation::FitResult again = estimation::fit(*evaluator, off, options);
+    if (again.usable && (!trial.fit.usable || again.chi2 < trial.fit.chi2)) {
+      trial.fit = std::move(again);
+      trial.model = std::move(off);
+    }
   }
   if (!trial.fit.usable) return trial;
   estimation::store(trial.fit, trial.model);

@@ -37,7 +37,7 @@ struct Reference {
 };
 
 /// Refits; `usable` of the fit says whether it went well.
-Trial refit(const Candidate& candidate, const model::Model& base, const DataPointer& data);
+Trial refit(const Candidate& candidate, const Reference& base, const DataPointer& data);
 
 std::vector<double> chi2_by_block(const std::vector<estimation::Row>& rows,
                                   const Eigen::VectorXd& residuals, int blocks);

@@ -28,6 +28,9 @@ std::vector<std::string> equals_of(const Diagnosis& d, const std::string& effect
   std::set<std::string> tried;
   for (const Trial& rival : rivals) {
     if (tried.contains(rival.effect->id) || rival.effect->id == effect) continue;
+    // friction that grows with strain contains constant friction: that it does as well says nothing
+    // against the simpler
+    if (effect == "internal_friction" && rival.effect->id == "strain_dependent_friction") continue;
     if (holds(d.extended.model, rival.effect->id)) continue;
     auto swapped = make_reference(
         with_rival(without(d.extended.model, effect, d.baseline.model), rival), d.data, {});

@@ -72,7 +72,7 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
     const std::vector<std::string> rest = app.remaining(true);
     message = "a command is missing";
     if (!rest.empty()) message = "there is no command '" + rest.front() + "' here";
-    if (!rest.empty() && rest.front().rfind("-", 0) == 0)
+    if (!rest.empty() && rest.front().starts_with('-'))
       message = "there is no option '" + rest.front() + "'";
     std::string known;
     for (const CLI::App* c : commands) known += (known.empty() ? "" : ", ") + c->get_name();

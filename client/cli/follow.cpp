@@ -22,7 +22,7 @@ Expected<client::JobUpdate> follow_job(client::Client& client, Context& context,
   context.details["job_id"] = job_id;
   ProgressDisplay display(std::cerr, isatty(STDERR_FILENO) == 1, terminal_width(STDERR_FILENO));
   const bool quiet = context.quiet;
-  const Expected<client::JobUpdate> last = client.watch(
+  Expected<client::JobUpdate> last = client.watch(
       job_id,
       [&display, quiet](const client::JobUpdate& update) {
         if (!quiet) display.show(update);

@@ -25,7 +25,7 @@ sigset_t watched_signals() {
 Interrupt::Interrupt() {
   const sigset_t signals = watched_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  watcher_ = std::jthread([this, signals](std::stop_token ended) {
+  watcher_ = std::jthread([this, signals](const std::stop_token& ended) {
     const timespec wait{0, 50'000'000};
     while (!ended.stop_requested()) {
       const int got = sigtimedwait(&signals, nullptr, &wait);

@@ -153,7 +153,7 @@ Expected<void> check_correction(const SensorCorrection& correction, const std::s
     return bad_input(path + ".type: there is no sensor correction '" + correction.type + "'");
   if (!correction.capture.empty() && !is_sha256(correction.capture))
     return bad_input(path + ".capture: must be the SHA-256 of a capture");
-  if (correction.component != "" && correction.component != "x" && correction.component != "y" &&
+  if (!correction.component.empty() && correction.component != "x" && correction.component != "y" &&
       correction.component != "xy")
     return bad_input(path + ".component: must be 'x', 'y' or 'xy', not '" + correction.component +
                      "'");

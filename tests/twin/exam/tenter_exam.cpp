@@ -70,9 +70,9 @@ int run(const Options& options) {
     std::cerr << "[" << ++answered << "/" << questions.size() << "] "
               << grade_name(entry.mark.grade) << ": " << entry.question.name() << " -> "
               << entry.answer.line() << "\n";
+    if (options.list_failures) write_failures({entry}, std::cerr);
   });
   write_table(entries, std::cout);
-  if (options.list_failures) write_failures(entries, std::cout);
   if (!options.out.empty()) {
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
@@ -106,7 +106,7 @@ int main(int argc, char** argv) {
   app.add_flag("--foreign", options.paper.foreign, "effects that the catalogue lacks, too");
   app.add_option("--first-seed", options.paper.first_seed, "default: 1");
   app.add_option("--threads", options.threads)->check(CLI::Range(1, 64));
-  app.add_flag("--list-failures", options.list_failures, "print every answer that is not right");
+  app.add_flag("--list-failures", options.list_failures, "tell every answer that is not right as it comes");
   app.add_option("--out", options.out, "folder for exam.txt and exam.json");
   CLI11_PARSE(app, argc, argv);
   return run(options);

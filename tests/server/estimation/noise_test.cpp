@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/estimation/noise.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/server/estimation/fixtures.h"
+
+namespace tenter::estimation {
+namespace {
+
+struct Case {
+  std::shared_ptr<DataSet> data;
+  std::vector<Row> rows;
+  Eigen::VectorXd residuals;
+};
+
+/// Residuals of the true model: white noise of `sigma` (SI) on stresses while the data set believes
+/// in `believed`.
+Case white(const testing::LoopPlan& plan, double sigma, double believed, unsigned seed) {
+  Case c;
+  c.data = testing::data_of({testing::loop_capture(plan)}, believed);
+  c.rows = c.data->rows();
+  c.residuals.resize(static_cast<Eigen::Index>(c.rows.size()));
+  std::mt19937 engine(seed);
+  std::normal_distribution<double> normal;
+  for (Eigen::Index r = 0; r < c.residuals.size(); ++r)
+    c.residuals[r] = sigma / believed * normal(engine);
+  return c;
+}
+
+Noise noise_of(const Case& c) {
+  return estimate_noise(*c.data, c.rows, c.residuals);
+}
+
+TEST(Noise, OfRepeatsIsThatOfTheReadings) {
+  double mean = 0.0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const Noise noise = noise_of(white({.runs = 5, .frames = 60}, 0.3, 1.7, seed));
+    ASSERT_EQ(noise.channels[0].size(), 2U);
+    for (const ChannelNoise& channel : noise.channels[0]) {
+      EXPECT_EQ(channel.source, NoiseSource::repeats);
+      EXPECT_NEAR(channel.sigma, 0.3, 0.3 * 0.2);
+      EXPECT_NEAR(channel.scatter_sigma, 0.3, 0.3 * 0.2);
+      EXPECT_EQ(channel.floor_sigma, channel.repeat_sigma);
+      mean += channel.sigma / 40.0;
+    }
+  }
+  EXPECT_NEAR(mean, 0.3, 0.3 * 0.04);
+}
+
+TEST(Noise, OfRepeatsDoesNotSeeWhatTheyShare) {
+  Case c = white({.runs = 5, .frames = 60}, 0.3, 1.0, 3);
+  const double plain = noise_of(c).channels[0][0].sigma;
+  for (std::size_t r = 0; r < c.rows.size(); ++r) {
+    const double q = c.data->curves[0].path.q[static_cast<std::size_t>(c.rows[r].frame)][0];
+    c.residuals[static_cast<Eigen::Index>(r)] += 20.0 * std::sin(40.0 * (q - 1.0));
+  }
+  EXPECT_NEAR(noise_of(c).channels[0][0].sigma, plain, 0.05 * plain);
+  EXPECT_NEAR(noise_of(c).channels[0][0].scatter_sigma, 0.3, 0.3 * 0.2);
+}
+
+TEST(Noise, TheFirstOfThreeRunsIsKeptApart) {
+  Case c = white({.runs = 4, .frames = 60}, 0.3, 1.0, 3);
+  const double plain = noise_of(c).channels[0][0].sigma;
+  for (std::size_t r = 0; r < c.rows.size(); ++r)
+    if (c.rows[r].frame < 121) c.residuals[static_cast<Eigen::Index>(r)] += 15.0;
+  EXPECT_NEAR(noise_of(c).channels[0][0].sigma, plain, 1e-9);
+}
+
+TEST(Noise, OneRunsAccidentDoesNotPassForIt) {
+  // a slip of five standard deviations on one branch of one run
+  Case c = white({.runs = 6, .frames = 60}, 0.3, 1.0, 3);
+  for (std::size_t r = 0; r < c.rows.size(); ++r)
+    if (c.rows[r].frame >= 4 * 121 && c.rows[r].frame < 4 * 121 + 61)
+      c.residuals[static_cast<Eigen::Index>(r)] += 1.5;
+  EXPECT_LT(noise_of(c).channels[0][0].sigma, 1.5 * 0.3);
+}
+
+TEST(Noise, WithoutRepeatsIsTheScatterOfNeighbours) {
+  const Noise noise = noise_of(white({.runs = 1, .frames = 200}, 0.3, 2.0, 7));
+  EXPECT_EQ(noise.channels[0][0].source, NoiseSource::scatter);
+  EXPECT_NEAR(noise.channels[0][0].sigma, 0.3, 0.3 * 0.15);
+  EXPECT_EQ(noise.channels[0][0].repeat_sigma, 0.0);
+  EXPECT_TRUE(noise.sequences.empty());
+}
+
+TEST(Noise, DeclaredIsBelievedAndResolutionBoundsIt) {
+  Case c = white({.runs = 4, .frames = 60}, 0.3, 1.0, 3);
+  c.data->curves[0].channels[0].sigma = 0.25;
+  c.data->curves[0].channels[1].resolution = 10.0;
+  const Noise noise = noise_of(c);
+  EXPECT_EQ(noise.channels[0][0].source, NoiseSource::declared);
+  EXPECT_DOUBLE_EQ(noise.channels[0][0].sigma, 0.25);
+  EXPECT_DOUBLE_EQ(noise.channels[0][1].sigma, 10.0 / std::sqrt(12.0));
+}
+
+TEST(Noise, ItsSequencesAreOfUnitVariance) {
+  const Noise noise = noise_of(white({.runs = 6, .frames = 60}, 0.3, 1.7, 5));
+  // five repeats of four places: two branches of two channels
+  ASSERT_EQ(noise.sequences.size(), 20U);
+  double power = 0.0;
+  std::size_t count = 0;
+  for (const auto& sequence : noise.sequences)
+    for (const double v : sequence) {
+      power += v * v;
+      ++count;
+    }
+  EXPECT_NEAR(power / static_cast<double>(count), 1.0, 0.05);
+}
+
+}  // namespace
+}  // namespace tenter::estimation

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <future>
 #include <system_error>
 #include <vector>
 
@@ -24,6 +25,9 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
+// Below this a file is hashed before anything is sent, so that nothing is sent twice; above, while
+// it is sent.
+constexpr std::uint64_t kHashFirst = 8u << 20;
 constexpr auto kSilence = std::chrono::milliseconds(1500);  // without an acknowledgement: ask
 
 class File {
@@ -62,6 +66,9 @@ class Upload {
  private:
   enum class Step { send, commit, done };
 
+  Expected<std::string> stand_in() const;
+  Expected<bool> already_known();
+
   Expected<Step> open();
   Expected<Step> send();
   Expected<Step> commit();
@@ -77,6 +84,10 @@ class Upload {
   const std::stop_token stop_;
   std::uint64_t size_ = 0;
   UploadResult result_;
+  std::string name_;  ///< under which the transfer is opened: the hash, or a stand-in for it
+  std::shared_future<Expected<std::string>> sha256_;
+  bool asked_ = false;    ///< whether the server knows the hash
+  bool resumed_ = false;  ///< some chunks came from an earlier upload
   std::uint64_t chunks_ = 0;
   std::vector<std::uint64_t> missing_;
   bool first_open_ = true;
@@ -99,10 +110,11 @@ Expected<UploadResult> Upload::run() {
   if (error || !file_.ok() || !fs::is_regular_file(path_))
     return fail(ErrorKind::not_found, path_.string() + ": cannot be read as a file");
   if (size_ == 0) return bad_input(path_.string() + ": the file is empty");
-  auto sha256 = sha256_file(path_);
-  if (!sha256) return tl::unexpected(sha256.error());
-  result_.sha256 = *sha256;
   result_.bytes_total = size_;
+  sha256_ = std::async(std::launch::async, [path = path_] { return sha256_file(path); }).share();
+  auto name = size_ < kHashFirst ? sha256_.get() : stand_in();
+  if (!name) return tl::unexpected(name.error());
+  name_ = *name;
 
   std::uint64_t best = 0;  // progress is a chunk written, or a step that ended
   auto since = Clock::now();
@@ -111,7 +123,12 @@ Expected<UploadResult> Upload::run() {
     if (step && *step == Step::send) step = send();
     if (step && *step == Step::commit) step = commit();
     if (!step) return tl::unexpected(step.error());
-    if (*step == Step::done) return result_;
+    if (*step == Step::done) {
+      const auto& sha256 = sha256_.get();
+      if (!sha256) return tl::unexpected(sha256.error());
+      result_.sha256 = *sha256;
+      return result_;
+    }
     std::lock_guard lock(mutex_);
     if (written_ > best) {
       best = written_;
@@ -124,9 +141,39 @@ Expected<UploadResult> Upload::run() {
   }
 }
 
+// A name for a large file that costs nothing: its size, its time, its first and last megabyte. Two
+// files with one name do no harm: the hash at the end tells them apart.
+Expected<std::string> Upload::stand_in() const {
+  std::error_code error;
+  const auto time = fs::last_write_time(path_, error).time_since_epoch().count();
+  std::vector<std::uint8_t> head(v1::CHUNK_BYTES), tail(v1::CHUNK_BYTES);
+  if (error || !file_.read_at(0, head) || !file_.read_at(size_ - tail.size(), tail))
+    return bad_input(path_.string() + ": became unreadable while it was sent");
+  std::string text = std::to_string(size_) + ' ' + std::to_string(time) + ' ';
+  text.append(head.begin(), head.end());
+  text.append(tail.begin(), tail.end());
+  return sha256_hex(text);
+}
+
+Expected<bool> Upload::already_known() {
+  if (asked_ || sha256_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+    return false;
+  asked_ = true;
+  const auto& sha256 = sha256_.get();
+  if (!sha256) return tl::unexpected(sha256.error());
+  if (*sha256 == name_) return false;  // capture.open said so
+  auto reply = ask(connection_, "capture.known", {{"sha256", *sha256}}, stop_);
+  if (!reply) return tl::unexpected(reply.error());
+  if (!flag_at(*reply, "already_stored")) return false;
+  (void)ask(connection_, "capture.abandon", {{"transfer", wire::to_text(transfer_)}}, stop_);
+  result_.already_stored = true;
+  result_.summary_json = reply->value("capture", json::object()).dump();
+  if (progress_) progress_({size_, size_, 0});
+  return true;
+}
+
 Expected<Upload::Step> Upload::open() {
-  auto reply =
-      ask(connection_, "capture.open", {{"sha256", result_.sha256}, {"size", size_}}, stop_);
+  auto reply = ask(connection_, "capture.open", {{"sha256", name_}, {"size", size_}}, stop_);
   if (!reply) return tl::unexpected(reply.error());
   if (flag_at(*reply, "already_stored")) {
     result_.already_stored = first_open_;
@@ -156,6 +203,7 @@ Expected<Upload::Step> Upload::open() {
     written_ = std::max(chunks_ - missing_.size(), std::min(count_at(*reply, "written"), chunks_));
     status_ = 0;
     if (first_open_) result_.bytes_resumed = std::min(written_ * v1::CHUNK_BYTES, size_);
+    resumed_ = first_open_ && written_ > 0;
   }
   first_open_ = false;
   tell();
@@ -220,6 +268,9 @@ Expected<Upload::Step> Upload::send() {
     if (auto written = writer_->write(chunk, std::chrono::milliseconds(2000)); !written) break;
     ++sent;
     tell();
+    auto known = already_known();
+    if (!known) return tl::unexpected(known.error());
+    if (*known) return Step::done;
   }
   std::unique_lock lock(mutex_);
   std::uint64_t seen = written_;
@@ -241,9 +292,14 @@ Expected<Upload::Step> Upload::send() {
 }
 
 Expected<Upload::Step> Upload::commit() {
-  auto reply = ask(connection_, "capture.commit", {{"transfer", wire::to_text(transfer_)}}, stop_);
+  const auto& sha256 = sha256_.get();
+  if (!sha256) return tl::unexpected(sha256.error());
+  auto reply = ask(connection_, "capture.commit",
+                   {{"transfer", wire::to_text(transfer_)}, {"sha256", *sha256}}, stop_);
   if (!reply) {
     if (reply.error().kind == ErrorKind::not_found) return Step::send;  // the server began anew
+    // chunks of another file that had the same stand-in: the server dropped them, send all
+    if (reply.error().kind == ErrorKind::bad_input && resumed_) return Step::send;
     return tl::unexpected(reply.error());
   }
   result_.already_stored = !flag_at(*reply, "created");

@@ -41,7 +41,7 @@ class JobService::Impl {
   std::set<std::string> committing;
 
   Expected<void> open();
-  Expected<Committed> commit(const std::string& transfer);
+  Expected<Committed> commit(const std::string& transfer, const std::string& sha256);
   Expected<StoredFile> object(const std::string& sha256, std::uint64_t size);
 
  private:
@@ -283,13 +283,14 @@ Expected<UploadProgress> JobService::upload_chunk(const std::string& transfer, s
   return impl_->uploads->write_chunk(transfer, index, bytes);
 }
 
-Expected<JobService::Committed> JobService::upload_commit(const std::string& transfer) {
+Expected<JobService::Committed> JobService::upload_commit(const std::string& transfer,
+                                                          const std::string& sha256) {
   {
     std::unique_lock lock(impl_->commits_mutex);
     impl_->commits_done.wait(lock, [&] { return !impl_->committing.contains(transfer); });
     impl_->committing.insert(transfer);
   }
-  auto committed = impl_->commit(transfer);
+  auto committed = impl_->commit(transfer, sha256);
   {
     const std::lock_guard lock(impl_->commits_mutex);
     impl_->committing.erase(transfer);
@@ -300,8 +301,9 @@ Expected<JobService::Committed> JobService::upload_commit(const std::string& tra
 
 // Bytes checked and on disk, content read, object in place, row inserted, transfer dropped: in this
 // order, and each step may be repeated by who asks again after a lost reply or a restart.
-Expected<JobService::Committed> JobService::Impl::commit(const std::string& transfer) {
-  auto file = uploads->finish(transfer);
+Expected<JobService::Committed> JobService::Impl::commit(const std::string& transfer,
+                                                         const std::string& sha256) {
+  auto file = uploads->finish(transfer, sha256);
   if (!file) {
     if (file.error().kind != ErrorKind::not_found) return tl::unexpected(file.error());
     auto before = queue->committed_transfer(transfer);

@@ -127,7 +127,7 @@ class JobService {
     CaptureRecord capture;
     bool created = false;
   };
-  Expected<Committed> upload_commit(const std::string& transfer);
+  Expected<Committed> upload_commit(const std::string& transfer, const std::string& sha256 = {});
   Expected<void> upload_abandon(const std::string& transfer);
   Expected<CapturePage> captures(const CaptureFilter& filter) const;
   Expected<CaptureRecord> capture(const std::string& sha256) const;

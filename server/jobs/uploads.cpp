@@ -145,10 +145,13 @@ Expected<UploadRequest> Uploads::request(const std::string& transfer) const {
   return (*found)->request();
 }
 
-Expected<Uploads::Finished> Uploads::finish(const std::string& transfer) {
+Expected<Uploads::Finished> Uploads::finish(const std::string& transfer,
+                                            const std::string& sha256) {
   auto found = find(transfer);
   if (!found) return tl::unexpected(found.error());
   UploadTransfer& it = **found;
+  UploadRequest request = it.request();
+  if (!sha256.empty()) request.sha256 = sha256;
   if (auto done = it.close(); !done) return tl::unexpected(done.error());
   Expected<void> synced;
   std::thread syncing([&] { synced = it.sync(); });  // the disk writes while the hash is finished
@@ -159,14 +162,14 @@ Expected<Uploads::Finished> Uploads::finish(const std::string& transfer) {
     return tl::unexpected(synced.error());
   }
   if (!hashed) return tl::unexpected(hashed.error());
-  if (it.sha256() != it.request().sha256) {
+  if (it.sha256() != request.sha256) {
     const std::string message = "the uploaded bytes have the hash " + it.sha256() +
-                                " instead of the promised " + it.request().sha256 +
+                                " instead of the promised " + request.sha256 +
                                 "; the upload was dropped";
     if (auto done = drop(transfer); !done) return tl::unexpected(done.error());
     return bad_input(message);
   }
-  return Finished{it.data_path(), it.request()};
+  return Finished{it.data_path(), std::move(request)};
 }
 
 Expected<void> Uploads::drop(const std::string& transfer) {

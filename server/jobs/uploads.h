@@ -71,8 +71,10 @@ class Uploads {
     UploadRequest request;
   };
   /// Refuses while chunks are missing; on a wrong hash the transfer is dropped. The file stays in
-  /// the area until drop(); renaming it into the store is the caller's.
-  Expected<Finished> finish(const std::string& transfer);
+  /// the area until drop(); renaming it into the store is the caller's. `sha256`, when given, takes
+  /// the place of the one promised when the transfer was opened: a client that hashes while it
+  /// sends opens with any 64 hex digits that name the file.
+  Expected<Finished> finish(const std::string& transfer, const std::string& sha256 = {});
   Expected<void> drop(const std::string& transfer);
 
   /// Bytes promised to open transfers of this user, that of `except_sha256` not counted.

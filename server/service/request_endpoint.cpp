@@ -63,8 +63,7 @@ void RequestEndpoint::on_remote_writer(const std::string& topic) {
   users_[name] = std::move(user);
   raw->replies = std::make_unique<wire::Writer<v1::Reply>>(
       context_.participant, wire::reply_topic(name),
-      [this, name](const wire::Peer&, bool came) { on_match(name, came); },
-      context_.epoch);
+      [this, name](const wire::Peer&, bool came) { on_match(name, came); }, context_.epoch);
   wire::ReaderHandlers<v1::Request> handlers;
   handlers.on_sample = [this, raw](v1::Request& request, const wire::Peer& peer) {
     take(*raw, request, peer);

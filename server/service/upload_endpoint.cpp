@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/base/sha256.h"
 #include "common/wire/validate.h"
 #include "server/service/body.h"
 
@@ -63,6 +64,7 @@ UploadEndpoint::~UploadEndpoint() {
 void UploadEndpoint::add_operations(Operations& table) {
   table["capture.open"] = {[this](const Caller& c, const json& b) { return open(c, b); }, true};
   table["capture.commit"] = {[this](const Caller& c, const json& b) { return commit(c, b); }, true};
+  table["capture.known"] = {[this](const Caller&, const json& b) { return known(b); }, true};
   table["capture.abandon"] = {[this](const Caller& c, const json& b) { return abandon(c, b); },
                               true};
 }
@@ -218,7 +220,11 @@ Expected<std::shared_ptr<UploadEndpoint::Transfer>> UploadEndpoint::find(const C
 Expected<json> UploadEndpoint::commit(const Caller& caller, const json& body) {
   auto transfer = find(caller, body);
   if (!transfer) return tl::unexpected(transfer.error());
-  auto done = jobs_.upload_commit((*transfer)->name);
+  auto sha256 = optional_text(body, "sha256");
+  if (!sha256) return tl::unexpected(sha256.error());
+  if (*sha256 && !is_sha256(**sha256))
+    return bad_input("the request's \"sha256\" is not 64 lower-case hex digits");
+  auto done = jobs_.upload_commit((*transfer)->name, sha256->value_or(""));
   if (!done) {
     // a bad hash or a bad file ended it; what can go on (chunks missing, disk full) is opened again
     if (done.error().kind == ErrorKind::bad_input) close((*transfer)->id);
@@ -226,6 +232,14 @@ Expected<json> UploadEndpoint::commit(const Caller& caller, const json& body) {
   }
   close((*transfer)->id);
   return json{{"capture", to_json(done->capture)}, {"created", done->created}};
+}
+
+Expected<json> UploadEndpoint::known(const json& body) {
+  auto sha256 = required_text(body, "sha256");
+  if (!sha256) return tl::unexpected(sha256.error());
+  auto capture = jobs_.capture(*sha256);
+  const bool there = capture && jobs_.capture_file(*sha256);  // its row and its bytes
+  return json{{"already_stored", there}, {"capture", there ? to_json(*capture) : json()}};
 }
 
 Expected<json> UploadEndpoint::abandon(const Caller& caller, const json& body) {

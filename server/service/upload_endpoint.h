@@ -7,8 +7,12 @@
 //   {already_stored} chunk index, data (at most the credit)   ->
 //                                            <-   chunk_ack {written, credit}, after 8 chunks and
 //                                            when none wait
-//   capture.commit {transfer}                ->   {capture, created}: hash checked, content read,
-//   on disk, in the list
+//   capture.commit {transfer, sha256?}       ->   {capture, created}
+//
+// The reply to commit says that the hash is right, the content was read, the bytes are on disk and
+// the capture is in the list. The sha256 of open may be a stand-in, any 64 hex digits that name the
+// file, if commit brings the real one: so a client can hash while it sends, and ask capture.known
+// {sha256} as soon as it knows.
 //
 // Opening again, also after a restart of either side, tells what is still missing. Chunks beyond
 // what the queue takes are dropped: a client that keeps to its credit never sees that, another
@@ -42,6 +46,7 @@ class UploadEndpoint {
   struct Transfer;
   Expected<nlohmann::json> open(const Caller& caller, const nlohmann::json& body);
   Expected<nlohmann::json> commit(const Caller& caller, const nlohmann::json& body);
+  Expected<nlohmann::json> known(const nlohmann::json& body);
   Expected<nlohmann::json> abandon(const Caller& caller, const nlohmann::json& body);
   Expected<std::shared_ptr<Transfer>> find(const Caller& caller, const nlohmann::json& body);
 

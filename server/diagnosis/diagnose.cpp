@@ -213,6 +213,21 @@ void drop_stand_ins(Diagnosis& d, Reference& current, std::vector<Accepted>& acc
   });
 }
 
+/// Readings beside a corner are no proof of misreading: within a few frames of a slip that was
+/// found, and, where the model still misses something, of a reversal.
+bool beside_an_event(const Diagnosis& d, const estimation::Outlier& o, bool near_reversals) {
+  constexpr int kFrames = 3;
+  const estimation::Curves& curves = d.curves[static_cast<std::size_t>(o.curve)];
+  for (const model::SensorCorrection& c : d.extended.model.corrections)
+    if (c.type == "clip_slip" && c.capture == curves.id &&
+        std::abs(c.parameters[1].value - o.frame) <= kFrames)
+      return true;
+  if (!near_reversals) return false;
+  const estimation::Block& block =
+      curves.blocks[static_cast<std::size_t>(curves.block_of[static_cast<std::size_t>(o.frame)])];
+  return o.frame - block.first < kFrames || block.last - 1 - o.frame < kFrames;
+}
+
 /// Of the readings set aside, those that the extended model does not reach either; a sharp corner
 /// that the baseline lacked is no misreading.
 void confirm_outliers(Diagnosis& d) {
@@ -231,8 +246,9 @@ void confirm_outliers(Diagnosis& d) {
   for (const estimation::Outlier& o :
        estimation::find_outliers(*whole, evaluator->rows(), residuals, {}))
     still.insert({o.curve, o.channel, o.frame});
+  const bool rough = lacks_fit_still(d);
   std::erase_if(d.outliers, [&](const estimation::Outlier& o) {
-    return !still.contains({o.curve, o.channel, o.frame});
+    return !still.contains({o.curve, o.channel, o.frame}) || beside_an_event(d, o, rough);
   });
 }
 

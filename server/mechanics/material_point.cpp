@@ -65,6 +65,7 @@ MaterialPoint::Balance MaterialPoint::evaluate(const HomogeneousStrain& kinemati
     in.parameters = parameters.data() + term.first_parameter;
     in.state = scratch.state.data() + term.first_state;
     in.duration_s = duration_s;
+    in.wants_energy = false;
     term.law->evaluate(in, law);
 
     auto& by_q = scratch.strain_by_q[t];

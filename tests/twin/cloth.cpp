@@ -69,9 +69,10 @@ Nominal step(const Cloth& cloth, double angle, const Deformation& next, double d
     strain[i] = e[i] - state.plastic[i];
   }
   for (std::size_t i = 0; i < 2; ++i) {
+    // a direction that is compressed was never pulled there: nothing to lose
     const double depth = (state.largest[i] - e[i]) / cloth.softening_width;
-    const double soft =
-        cloth.softening[i] == 0.0 ? 1.0 : 1.0 - cloth.softening[i] * (1.0 - std::exp(-depth));
+    const bool untouched = cloth.softening[i] == 0.0 || e[i] <= 0.0;
+    const double soft = untouched ? 1.0 : 1.0 - cloth.softening[i] * (1.0 - std::exp(-depth));
     stress[i] =
         soft * own[i] * strain[i] + k.c12 * strain[1 - i] + cloth.cubic[i] * e[i] * e[i] * e[i];
   }

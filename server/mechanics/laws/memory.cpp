@@ -91,6 +91,7 @@ void SofteningLaw::evaluate(const LawInput& in, LawOutput& out) const {
   out.stress_by_parameter[0][0] = -power * (1.0 - near);
   out.stress_by_parameter[0][1] = k * power * near * below / (scale * scale);
   out.stress_by_parameter[0][2] = out.stress[0] * std::log(e);
+  if (!in.wants_energy) return;
   out.energy = -k * std::pow(e, n + 1.0) / (n + 1.0) +
                k * weighted_power_integral(e, n, scale, out.state[0]);
 }

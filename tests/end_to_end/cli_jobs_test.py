@@ -64,16 +64,17 @@ class Jobs(CommandTest):
             self.assertIn(word, text)
 
     def test_the_life_of_a_job(self):
-        job = self.submitted("--priority", "7", sleep_ms=300, tag="life")
+        job = self.submitted("--priority", "7", "--model", "springs", sleep_ms=300, tag="life")
         self.run_command("job", "watch", job)
         shown = self.json("job", "show", job)
         self.assertEqual((shown["state"], shown["priority"], shown["user"]), ("succeeded", 7, "ada"))
-        self.assertIn("stvk_orthotropic", self.run_command("job", "show", job).stdout)
+        self.assertIn("springs", self.run_command("job", "show", job).stdout)
         self.assertIn("fake worker runs", self.run_command("job", "log", job).stdout)
         self.assertIn(job, [j["id"] for j in self.json("job", "list", "--of", "me")["jobs"]])
         self.assertEqual(self.json("job", "list", "--of", "nobody-else")["jobs"], [])
         # the same again is answered from the store
-        again = self.json("fit", self.capture(), "--detach", "--set", fake(sleep_ms=300, tag="life"))
+        again = self.json("fit", self.capture(), "--detach", "--model", "springs", "--set",
+                          fake(sleep_ms=300, tag="life"))
         self.assertTrue(again["from_store"])
 
     def test_the_same_request_id_is_the_same_job(self):

@@ -84,7 +84,7 @@ Expected<diagnosis::Diagnosis> compute(const std::string& kind, diagnosis::Reque
 }  // namespace
 
 Expected<void> run_job(const JobInput& input, const std::function<void(const JobProgress&)>& report,
-                       std::stop_token stop) {
+                       const std::stop_token& stop) {
   const json spec = json::parse(input.spec_json, nullptr, false);
   if (spec.is_discarded() || !spec.is_object() || !spec.contains("kind") || !spec.contains("model"))
     return bad_input("the job's specification is not a tenter.job document");

@@ -35,6 +35,6 @@ struct JobProgress {
 /// from any thread, as often as it likes; returns ErrorKind::cancelled soon after `stop` is
 /// requested.
 Expected<void> run_job(const JobInput& input, const std::function<void(const JobProgress&)>& report,
-                       std::stop_token stop);
+                       const std::stop_token& stop);
 
 }  // namespace tenter::jobs

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The catalogue and how models are edited by it.
+#include "server/diagnosis/effect.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "common/model/document.h"
+#include "server/diagnosis/model_edit.h"
+#include "tests/server/diagnosis/prepared_twin.h"
+
+namespace tenter::diagnosis {
+namespace {
+
+struct Ground {
+  Prepared prepared;
+  Excitation excitation;
+};
+
+/// One for each baseline that the twins start from.
+const std::vector<Ground>& grounds() {
+  static const std::vector<Ground> all = [] {
+    std::vector<Ground> list;
+    for (const std::vector<std::string>& effects :
+         {std::vector<std::string>{}, {"anisotropy"}, {"poisson_coupling"}}) {
+      Ground g;
+      g.prepared = testing::prepared_twin({.effects = effects, .seed = 3}, 15);
+      g.excitation = examine(g.prepared.data->curves);
+      list.push_back(std::move(g));
+    }
+    return list;
+  }();
+  return all;
+}
+
+/// Residuals of a model at its own values.
+Eigen::VectorXd residuals_of(const model::Model& model, const DataPointer& data) {
+  auto evaluator = estimation::Evaluator::make(model, data);
+  EXPECT_TRUE(evaluator) << (evaluator ? "" : evaluator.error().message);
+  Eigen::VectorXd residuals;
+  if (!evaluator) return residuals;
+  EXPECT_EQ(evaluator->evaluate(estimation::parameter_values(model), residuals, nullptr),
+            mechanics::PathStatus::ok);
+  return residuals;
+}
+
+template <class Visit>
+void for_every_variant(Visit visit) {
+  for (const Ground& ground : grounds())
+    for (const Effect& effect : catalogue()) {
+      const model::Model& model = ground.prepared.baseline.model;
+      if (effect.not_excited(model, ground.excitation)) continue;
+      for (const Variant& variant : effect.variants(model, ground.excitation)) {
+        visit(ground, effect, variant, variant.grid.empty() ? Setting() : variant.grid.front());
+        if (variant.grid.size() > 1) visit(ground, effect, variant, variant.grid.back());
+      }
+    }
+}
+
+TEST(Effect, ChangesNothingWhenOff) {
+  std::set<std::string> seen;
+  for_every_variant([&](const Ground& ground, const Effect& effect, const Variant& variant,
+                        const Setting& setting) {
+    const Reference& baseline = ground.prepared.baseline;
+    model::Model extended = extend(baseline.model, variant, setting, effect.id);
+    estimation::adapt_spline_ranges(extended, ground.prepared.data->curves);
+    const Eigen::VectorXd residuals = residuals_of(extended, ground.prepared.data);
+    ASSERT_EQ(residuals.size(), baseline.fit.residuals.size());
+    ASSERT_GT(baseline.fit.residuals.cwiseAbs().maxCoeff(), 1.0);
+    EXPECT_LT((residuals - baseline.fit.residuals).cwiseAbs().maxCoeff(), 1e-7)
+        << effect.id << ", " << variant.words;
+    seen.insert(effect.id);
+  });
+  EXPECT_GE(seen.size(), 12U);
+}
+
+TEST(Effect, AddsFreeParametersThatTheDataMove) {
+  std::set<std::string> ids;
+  for_every_variant([&](const Ground& ground, const Effect& effect, const Variant& variant,
+                        const Setting& setting) {
+    const model::Model& model = ground.prepared.baseline.model;
+    const model::Model extended = extend(model, variant, setting, effect.id);
+    EXPECT_GT(free_count(extended), free_count(model)) << effect.id << ", " << variant.words;
+    for (const auto& [address, value] : setting) {
+      const auto names = estimation::parameter_names(extended);
+      EXPECT_NE(std::find(names.begin(), names.end(), address), names.end()) << address;
+    }
+  });
+}
+
+TEST(Without, GivesTheBaselineBack) {
+  for_every_variant([&](const Ground& ground, const Effect& effect, const Variant& variant,
+                        const Setting& setting) {
+    // growth of friction lives in another effect's terms; freed parameters stay where they are
+    if (!variant.unfix.empty()) return;
+    const model::Model& model = ground.prepared.baseline.model;
+    const model::Model extended = extend(model, variant, setting, effect.id);
+    EXPECT_TRUE(holds(extended, effect.id)) << effect.id;
+    const model::Model back = without(extended, effect.id, model);
+    EXPECT_FALSE(holds(back, effect.id)) << effect.id;
+    EXPECT_EQ(estimation::parameter_names(back), estimation::parameter_names(model));
+    EXPECT_EQ(estimation::parameter_values(back), estimation::parameter_values(model));
+    ASSERT_EQ(back.terms.size(), model.terms.size());
+    for (std::size_t t = 0; t < model.terms.size(); ++t)
+      EXPECT_EQ(back.terms[t].law.name, model.terms[t].law.name) << effect.id;
+  });
+}
+
+TEST(Catalogue, IdsAreTheirOwnAndNeighboursExist) {
+  std::set<std::string> ids;
+  for (const Effect& effect : catalogue()) {
+    EXPECT_TRUE(ids.insert(effect.id).second) << effect.id;
+    EXPECT_EQ(find_effect(effect.id), &effect);
+    EXPECT_FALSE(effect.words.empty()) << effect.id;
+    EXPECT_FALSE(effect.split_by.words.empty()) << effect.id;
+  }
+  EXPECT_GE(ids.size(), 13U);
+  EXPECT_EQ(find_effect("gremlins"), nullptr);
+  for (const Effect& effect : catalogue())
+    for (const std::string& other : effect.mistaken_for)
+      EXPECT_TRUE(ids.contains(other) || other == "outliers") << effect.id << ": " << other;
+}
+
+TEST(Examine, SaysWhatTheCapturesExcite) {
+  const Excitation& rich = grounds().front().excitation;
+  EXPECT_TRUE(rich.has_clock && rich.has_rate && rich.has_unloading && rich.has_repeated_loading);
+  EXPECT_TRUE(rich.splits_rate());
+  EXPECT_GT(rich.weft, 0.02);
+  EXPECT_GT(rich.warp, 0.02);
+  const Excitation timeless =
+      examine(testing::prepared_twin({.suite = "no_time", .seed = 3}, 15).data->curves);
+  EXPECT_FALSE(timeless.has_clock);
+  EXPECT_FALSE(timeless.splits_rate());
+  EXPECT_FALSE(examine({}).has_clock);
+}
+
+}  // namespace
+}  // namespace tenter::diagnosis

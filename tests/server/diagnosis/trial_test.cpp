@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/diagnosis/trial.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace tenter::diagnosis {
+namespace {
+
+/// chi2 before that gives this F with chi2 after of one.
+double before(double f, int added, double freedom) {
+  return 1.0 + f * added / freedom;
+}
+
+TEST(FTest, HasTheTabulatedValues) {
+  // upper critical values of F(added, freedom)
+  EXPECT_NEAR(f_test(before(4.9646, 1, 10), 1.0, 1, 5, 15.0), 0.05, 1e-4);
+  EXPECT_NEAR(f_test(before(3.3258, 5, 10), 1.0, 5, 7, 17.0), 0.05, 1e-4);
+  EXPECT_NEAR(f_test(before(2.2899, 5, 100), 1.0, 5, 20, 120.0), 0.0513, 1e-3);
+  EXPECT_NEAR(f_test(before(10.0443, 1, 10), 1.0, 1, 5, 15.0), 0.01, 1e-4);
+  // two parameters: p = (1 + 2 F / freedom)^(-freedom / 2)
+  EXPECT_NEAR(f_test(before(7.0, 2, 40), 1.0, 2, 10, 50.0), std::pow(1.35, -20.0), 1e-9);
+}
+
+TEST(FTest, OfNoGainOrTooFewRowsSaysNothing) {
+  EXPECT_EQ(f_test(10.0, 10.0, 2, 5, 50.0), 1.0);
+  EXPECT_EQ(f_test(10.0, 11.0, 2, 5, 50.0), 1.0);
+  EXPECT_EQ(f_test(10.0, 5.0, 0, 5, 50.0), 1.0);
+  EXPECT_EQ(f_test(10.0, 5.0, 2, 5, 5.5), 1.0);
+  EXPECT_EQ(f_test(10.0, 0.0, 2, 5, 50.0), 0.0);
+}
+
+TEST(FTest, DoesNotSeeTheUnitOfChi2) {
+  const double p = f_test(3.0, 2.0, 2, 6, 40.0);
+  ASSERT_GT(p, 1e-6);
+  ASSERT_LT(p, 0.5);
+  EXPECT_NEAR(f_test(300.0, 200.0, 2, 6, 40.0), p, 1e-12);
+}
+
+TEST(ChiByBlock, AddsUpAndSkipsWhatNoFoldLeftOut) {
+  const std::vector<estimation::Row> rows = {
+      {0, 0, 0, 0}, {0, 0, 1, 0}, {0, 0, 2, 1}, {0, 0, 3, 1}};
+  Eigen::VectorXd residuals(4);
+  residuals << 1.0, 2.0, 3.0, std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(chi2_by_block(rows, residuals, 3), (std::vector<double>{5.0, 9.0, 0.0}));
+}
+
+TEST(Information, FallsWithChi2AndRisesWithWhatIsAdded) {
+  const double plain = information(100.0, 5, 0, 80.0);
+  EXPECT_LT(information(90.0, 5, 0, 80.0), plain);
+  EXPECT_GT(information(100.0, 6, 0, 80.0), plain);
+  EXPECT_GT(information(100.0, 5, 1, 80.0), plain);
+}
+
+TEST(ExplainedShare, IsOfWhatLiesAboveTheNoise) {
+  EXPECT_NEAR(explained_share(200.0, 150.0, 100.0), 0.5, 1e-12);
+  EXPECT_NEAR(explained_share(200.0, 100.0, 100.0), 1.0, 1e-12);
+  EXPECT_NEAR(explained_share(200.0, 200.0, 100.0), 0.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace tenter::diagnosis

@@ -152,8 +152,8 @@ std::vector<Accepted> go_forward(Diagnosis& d, Reference& current, const Request
     current = reference_of(entry.trial);
     PathStep step = step_of("add", entry.trial.effect->id, entry.trial.variant.words, current, d);
     step.p_value = entry.trial.p_value;
-    if (entry.trial.held_out_before > 0.0)
-      step.held_out = entry.trial.held_out_after / entry.trial.held_out_before;
+    if (entry.trial.held_out_residuals.size() > 0)
+      step.held_out = score_of(*d.data, d.data->rows(), entry.trial.held_out_residuals, -1).error;
     d.path.push_back(std::move(step));
     accepted.push_back(std::move(entry));
   }

@@ -218,6 +218,7 @@ std::string held_out_objection(Trial& trial, const Reference& before, const Data
   trial.folds = folds.kind;
   trial.held_out_before = earlier.chi2;
   trial.held_out_after = after.chi2;
+  trial.held_out_residuals = after.residuals;
   const auto a = chi2_by_block(larger.rows(), after.residuals, data->block_count());
   const auto b = chi2_by_block(larger.rows(), earlier.residuals, data->block_count());
   double mean = 0.0;

@@ -24,6 +24,7 @@ struct Trial {
   double p_value = 1.0;    ///< F test against the model before, on effectively independent rows
   double held_out_before = 0.0;  ///< chi2 on the same folds
   double held_out_after = 0.0;
+  Eigen::VectorXd held_out_residuals;   ///< of this model, NaN where no fold left the row out
   double held_out_error = 0.0;          ///< standard error of the difference, over blocks
   std::string folds;                    ///< what was left out
   std::vector<std::string> objections;  ///< gates that it fails, in words; empty: it passes

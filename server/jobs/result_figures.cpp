@@ -118,7 +118,12 @@ void add_series(json& list, const ResidualTable& table, int block, const std::ve
   static constexpr const char* kBranches[] = {"load", "unload", "hold", "other"};
   const std::string name = std::string(role) + ", run " + std::to_string(table.run[rows.front()]) +
                            " " + kBranches[table.branch[rows.front()]];
-  list.push_back({{"name", name}, {"role", role}, {"block", block}, {"x", xs}, {"y", ys}});
+  list.push_back({{"name", name},
+                  {"role", role},
+                  {"block", block},
+                  {"branch", kBranches[table.branch[rows.front()]]},
+                  {"x", xs},
+                  {"y", ys}});
 }
 
 int blocks_of(const ResidualTable& table) {
@@ -209,11 +214,15 @@ json figures_json(const Diagnosis& d) {
     const std::string name = table.channel + ", " + table.capture_title;
     figures.push_back(figure(is_stress ? "loop" : "transverse", table, name, strain,
                              {table.channel, table.unit}, loops));
-    figures.push_back(figure("residual_strain", table, "Residual of " + name, strain,
-                             {"measured - model", table.unit}, over_strain));
-    if (!over_time.empty())
-      figures.push_back(figure("residual_time", table, "Residual of " + name, {"time", "s"},
-                               {"measured - model", table.unit}, over_time));
+    const double sigma = table.sigma.empty() ? 0.0 : table.sigma.front();
+    const Axis residual{"measured - model", table.unit};
+    const auto add_residual = [&](const char* kind, const Axis& axis, json series) {
+      json drawn = figure(kind, table, "Residual of " + name, axis, residual, std::move(series));
+      drawn["band"] = {-sigma, sigma};
+      figures.push_back(std::move(drawn));
+    };
+    add_residual("residual_strain", strain, std::move(over_strain));
+    if (!over_time.empty()) add_residual("residual_time", {"time", "s"}, std::move(over_time));
   }
   return figures;
 }

@@ -45,11 +45,13 @@ json verdict_json(const diagnosis::Verdict& v) {
   for (const auto& [name, value] : v.evidence) evidence[name] = number(value);
   const bool sized = v.kind != diagnosis::VerdictKind::not_excited &&
                      v.kind != diagnosis::VerdictKind::nothing_found;
+  const bool has_interval = sized && v.size_hi > v.size_lo;
   return {{"verdict", diagnosis::verdict_name(v.kind)},
           {"effect", v.effect.empty() ? json(nullptr) : json(v.effect)},
           {"words", v.words},
           {"size", sized ? number(v.size) : json(nullptr)},
-          {"interval", sized ? json::array({number(v.size_lo), number(v.size_hi)}) : json(nullptr)},
+          {"interval",
+           has_interval ? json::array({number(v.size_lo), number(v.size_hi)}) : json(nullptr)},
           {"p_value", v.p_value ? number(*v.p_value) : json(nullptr)},
           {"alternatives", v.alternatives},
           {"next_protocol", protocol},

@@ -13,6 +13,8 @@ namespace tenter::mechanics {
 namespace {
 
 using testing::check_law;
+using testing::Comparison;
+using testing::difference;
 using testing::follow_law;
 using testing::law_with;
 using testing::Numbers;
@@ -113,6 +115,68 @@ TEST(PlasticSetLaw, ChangesWithNewMaximaOnly) {
   for (std::size_t i = 10; i < 40; ++i) EXPECT_EQ(stress[i], stress[9]) << i;
   EXPECT_NEAR(stress[49], -60.0 * 0.06, 1e-12);
   EXPECT_EQ(stress[59], stress[49]);
+}
+
+LawOutput answer(const Law& law, double first, double second, const std::vector<double>& p,
+                 double largest) {
+  const double strain[2] = {first, second};
+  LawOutput out{};
+  law.evaluate({strain, p.data(), &largest, 1.0}, out);
+  return out;
+}
+
+// No potential of the step, so not for the shared checks: against the law of one strain, and
+// differences.
+TEST(CoupledPlasticSetLaw, IsPlasticSetWithAShareInTheSecondStress) {
+  const auto coupled = *make_law(law_with("plastic_set_coupled", {60.0, 25.0, 0.02}), 2);
+  const auto single = *make_law(law_with("plastic_set", {60.0, 0.02}), 1);
+  const std::vector<double> p = {60.0, 25.0, 0.02};
+  Comparison by_strain("stress by strain"), by_state("stress by state"),
+      by_p("stress by parameter");
+  Numbers numbers(3);
+  for (int k = 0; k < 200; ++k) {
+    const double first = numbers.between(0.0, 0.1);
+    const double second = numbers.between(-0.05, 0.05);
+    const double largest = numbers.between(0.0, 0.1);
+    if (std::abs(first - largest) < 1e-3 || std::abs(std::max(first, largest) - 0.02) < 1e-3)
+      continue;
+    const LawOutput out = answer(*coupled, first, second, p, largest);
+    EXPECT_EQ(out.stress[0], answer(*single, first, 0.0, {60.0, 0.02}, largest).stress[0]);
+    EXPECT_NEAR(out.stress[1], out.stress[0] * 25.0 / 60.0, 1e-12);
+    EXPECT_EQ(out.state[0], std::max(first, largest));
+    for (int i = 0; i < 2; ++i) {
+      by_strain.add(
+          out.tangent[i][0],
+          difference([&](double e) { return answer(*coupled, e, second, p, largest).stress[i]; },
+                     first, 1e-5));
+      EXPECT_EQ(out.tangent[i][1], 0.0);
+      by_state.add(
+          out.stress_by_state[i][0],
+          difference([&](double m) { return answer(*coupled, first, second, p, m).stress[i]; },
+                     largest, 1e-5));
+      for (std::size_t j = 0; j < p.size(); ++j)
+        by_p.add(out.stress_by_parameter[i][j],
+                 difference(
+                     [&](double x) {
+                       std::vector<double> moved = p;
+                       moved[j] = x;
+                       return answer(*coupled, first, second, moved, largest).stress[i];
+                     },
+                     p[j], 1e-5));
+    }
+  }
+  by_strain.judge(1e-6, 1.0);
+  by_state.judge(1e-6, 1.0);
+  by_p.judge(1e-6, 1e-3);
+}
+
+TEST(SofteningLaw, LeavesACompressedDirectionAlone) {
+  const auto law = *make_law(law_with("softening", {60.0, 0.004, 1.5}), 1);
+  const LawOutput pressed = answer(*law, -0.02, 0.0, {60.0, 0.004, 1.5}, 0.05);
+  EXPECT_EQ(pressed.stress[0], 0.0);
+  EXPECT_EQ(pressed.tangent[0][0], 0.0);
+  EXPECT_EQ(pressed.state[0], 0.05);
+  EXPECT_LT(answer(*law, 0.02, 0.0, {60.0, 0.004, 1.5}, 0.05).stress[0], -0.1);
 }
 
 TEST(SofteningLaw, TakesFromLaterLoadingsOnly) {

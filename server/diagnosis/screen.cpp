@@ -223,6 +223,40 @@ struct Ground {
   Eigen::VectorXd left;   ///< residuals, likewise
 };
 
+/// Grids can be long, and a candidate is one point of them.
+Variant without_grids(const Variant& variant) {
+  Variant copy;
+  copy.words = variant.words;
+  copy.append = variant.append;
+  copy.replace = variant.replace;
+  copy.unfix = variant.unfix;
+  copy.corrections = variant.corrections;
+  copy.searched = variant.searched;
+  return copy;
+}
+
+/// Points of the finer grid between the neighbours of the coarse point that was liked best.
+std::vector<Setting> around(const Variant& variant, const Setting& best) {
+  std::vector<Setting> near;
+  for (const Setting& setting : variant.finer) {
+    bool inside = true;
+    for (const auto& [address, value] : best) {
+      double lower = -1e300;
+      double upper = 1e300;
+      for (const Setting& coarse : variant.grid)
+        for (const auto& [other, at] : coarse) {
+          if (other != address) continue;
+          if (at < value) lower = std::max(lower, at);
+          if (at > value) upper = std::min(upper, at);
+        }
+      for (const auto& [other, at] : setting)
+        if (other == address && (at < lower || at > upper)) inside = false;
+    }
+    if (inside) near.push_back(setting);
+  }
+  return near;
+}
+
 /// Projects every entry and adds it to the candidates; `largest`, where given, collects each twin's
 /// largest u.
 bool add_candidates(const Gathering& gathering, const Ground& ground, std::vector<double>* largest,
@@ -250,7 +284,9 @@ bool add_candidates(const Gathering& gathering, const Ground& ground, std::vecto
         (*largest)[k] = std::max((*largest)[k], null[k] / scale);
     Candidate candidate;
     candidate.effect = entry.effect;
-    candidate.variant = *entry.variant;
+    candidate.variant = without_grids(*entry.variant);
+    candidate.source = entry.variant;
+    candidate.point = entry.setting;
     candidate.setting = entry.setting;
     candidate.gain = statistic(components, p.positive);
     candidate.df = static_cast<int>(p.basis.cols());
@@ -329,20 +365,18 @@ Screen screen(const model::Model& fitted, const estimation::FitResult& fit, cons
   // a finer look at the two likeliest variants of each effect that has one
   Gathering fine(fitted);
   std::map<const Effect*, std::set<std::string>> looked_at;
-  std::vector<Variant> fine_variants;
-  fine_variants.reserve(result.candidates.size());
   for (const Candidate& c : result.candidates) {
-    if (c.variant.finer.empty() || looked_at[c.effect].size() >= 2) continue;
+    if (c.source->finer.empty() || looked_at[c.effect].size() >= 2) continue;
     if (!looked_at[c.effect].insert(c.variant.words).second) continue;
-    fine_variants.push_back(c.variant);
-    for (const Setting& setting : c.variant.finer)
-      fine.add(*c.effect, fine_variants.back(), setting);
+    for (const Setting& setting : around(*c.source, c.point))
+      fine.add(*c.effect, *c.source, setting);
   }
   if (!fine.entries().empty()) add_candidates(fine, ground, &largest, result.candidates);
 
   const double threshold = percentile(largest, 0.95);
   for (Candidate& c : result.candidates) {
     c.ratio /= threshold;
+    c.source = nullptr;
     ScreenRow& row = table[c.effect];
     if (row.status == "screened" && row.gain / std::max(1, row.df) >= c.gain / c.df) continue;
     row.status = "screened";

@@ -29,9 +29,11 @@ using DataPointer = std::shared_ptr<const estimation::DataSet>;
 
 struct Candidate {
   const Effect* effect = nullptr;
-  Variant variant;
-  Setting setting;    ///< grid point, then the amplitudes that the screen expects
-  double gain = 0.0;  ///< T
+  Variant variant;                  ///< without its grids
+  Setting point;                    ///< of the grid
+  Setting setting;                  ///< grid point, then the amplitudes that the screen expects
+  const Variant* source = nullptr;  ///< within the screen only: the variant with its grids
+  double gain = 0.0;                ///< T
   int df = 0;
   double ratio = 0.0;         ///< u over the threshold; above one it is no false alarm
   Eigen::VectorXd direction;  ///< what it would take from the residuals (whitened rows)

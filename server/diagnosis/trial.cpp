@@ -57,14 +57,7 @@ Trial refit(const Candidate& candidate, const Reference& base, const DataPointer
   // where the expected amplitudes led too far (a free direction bends the way there), once more
   // from "off"
   if (!trial.fit.usable || trial.fit.chi2 > base.fit.chi2 - 0.5 * candidate.gain) {
-    Setting grid_only;
-    for (const auto& [address, value] : candidate.setting)
-      for (const std::vector<Setting>* grid : {&candidate.variant.grid, &candidate.variant.finer})
-        for (const Setting& point : *grid)
-          for (const auto& entry : point)
-            if (entry.first == address && entry.second == value)
-              grid_only.emplace_back(address, value);
-    model::Model off = extend(base.model, candidate.variant, grid_only, candidate.effect->id);
+    model::Model off = extend(base.model, candidate.variant, candidate.point, candidate.effect->id);
     estimation::adapt_spline_ranges(off, data->curves);
     estimation::FitResult again = estimation::fit(*evaluator, off, options);
     if (again.usable && (!trial.fit.usable || again.chi2 < trial.fit.chi2)) {

@@ -104,7 +104,7 @@ Expected<std::string> Client::server_status() {
 
 Expected<UploadResult> Client::upload_capture(const std::filesystem::path& path,
                                               const TransferCallback& progress,
-                                              std::stop_token stop) {
+                                              const std::stop_token& stop) {
   return upload(*impl_->connection, path, progress, stop);
 }
 
@@ -121,7 +121,7 @@ Expected<std::string> Client::show_capture(const std::string& sha256) {
 Expected<std::uint64_t> Client::download_capture(const std::string& sha256,
                                                  const std::filesystem::path& destination,
                                                  const TransferCallback& progress,
-                                                 std::stop_token stop) {
+                                                 const std::stop_token& stop) {
   return download(*impl_->connection, {{}, {}, sha256}, destination, progress, stop);
 }
 
@@ -174,21 +174,21 @@ Expected<std::string> Client::retry(const std::string& job_id) {
 }
 
 Expected<JobUpdate> Client::watch(const std::string& job_id, const WatchCallback& callback,
-                                  std::stop_token stop) {
+                                  const std::stop_token& stop) {
   return client::watch(*impl_->connection, job_id, callback, stop);
 }
 
 Expected<std::uint64_t> Client::fetch_result(const std::string& job_id,
                                              const std::filesystem::path& destination,
                                              const TransferCallback& progress,
-                                             std::stop_token stop) {
+                                             const std::stop_token& stop) {
   return download(*impl_->connection, {job_id, "result.json", {}}, destination, progress, stop);
 }
 
 Expected<std::uint64_t> Client::fetch_residuals(const std::string& job_id,
                                                 const std::filesystem::path& destination,
                                                 const TransferCallback& progress,
-                                                std::stop_token stop) {
+                                                const std::stop_token& stop) {
   return download(*impl_->connection, {job_id, "residuals.h5", {}}, destination, progress, stop);
 }
 

@@ -109,14 +109,14 @@ class Client {
   /// sentence.
   Expected<UploadResult> upload_capture(const std::filesystem::path& path,
                                         const TransferCallback& progress = {},
-                                        std::stop_token stop = {});
+                                        const std::stop_token& stop = {});
   /// {captures: [{id, kind, title, frames, bytes, user, created}], next}
   Expected<std::string> list_captures(int limit = 100, const std::string& cursor = "");
   Expected<std::string> show_capture(const std::string& sha256);
   Expected<std::uint64_t> download_capture(const std::string& sha256,
                                            const std::filesystem::path& destination,
                                            const TransferCallback& progress = {},
-                                           std::stop_token stop = {});
+                                           const std::stop_token& stop = {});
 
   // --- jobs
   Expected<SubmitResult> submit(const SubmitRequest& request);
@@ -137,18 +137,18 @@ class Client {
   /// = lost, and connected again when it is back; the watch goes on. Returns the last update; a
   /// stopped watch returns the state it saw last.
   Expected<JobUpdate> watch(const std::string& job_id, const WatchCallback& callback,
-                            std::stop_token stop = {});
+                            const std::stop_token& stop = {});
 
   /// result.json, residuals.h5, ... of a succeeded job, checked against the SHA-256 that the server
   /// names, written beside the destination and renamed into place. Returns the bytes written.
   Expected<std::uint64_t> fetch_result(const std::string& job_id,
                                        const std::filesystem::path& destination,
                                        const TransferCallback& progress = {},
-                                       std::stop_token stop = {});
+                                       const std::stop_token& stop = {});
   Expected<std::uint64_t> fetch_residuals(const std::string& job_id,
                                           const std::filesystem::path& destination,
                                           const TransferCallback& progress = {},
-                                          std::stop_token stop = {});
+                                          const std::stop_token& stop = {});
 
   /// One request by name with a JSON object as body, for operations this header does not wrap.
   Expected<std::string> request(const std::string& operation, const std::string& body_json);

@@ -170,7 +170,7 @@ ServerView Connection::server() const {
   return chosen_ ? servers_.at(*chosen_) : ServerView{};
 }
 
-Expected<ServerView> Connection::wait_for_server(std::stop_token stop) {
+Expected<ServerView> Connection::wait_for_server(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   const bool there =
       changed_.wait_for(lock, stop, options_.timeout, [this] { return usable_locked(); });
@@ -201,7 +201,7 @@ std::string Connection::why_no_server() const {
 }
 
 Expected<std::string> Connection::request(std::string_view operation, const std::string& body,
-                                          std::stop_token stop) {
+                                          const std::stop_token& stop) {
   if (body.size() > v1::MAX_BODY)
     return bad_input("the request " + std::string(operation) + " has " +
                      std::to_string(body.size()) + " bytes, more than the " +

@@ -39,12 +39,12 @@ class Connection {
 
   /// Sends one request and returns the reply's body.
   Expected<std::string> request(std::string_view operation, const std::string& body,
-                                std::stop_token stop = {});
+                                const std::stop_token& stop = {});
 
   /// Where the server stands now; `alive` is false while it is silent.
   ServerView server() const;
   /// Waits until the server is there and can be asked.
-  Expected<ServerView> wait_for_server(std::stop_token stop = {});
+  Expected<ServerView> wait_for_server(const std::stop_token& stop = {});
 
   const ClientOptions& options() const { return options_; }
   wire::Participant& participant() { return *participant_; }

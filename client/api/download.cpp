@@ -26,7 +26,7 @@ constexpr auto kSilence = std::chrono::milliseconds(2000);
 class Download {
  public:
   Download(Connection& connection, const RemoteFile& what, const fs::path& destination,
-           const TransferCallback& progress, std::stop_token stop)
+           const TransferCallback& progress, const std::stop_token& stop)
       : connection_(connection),
         what_(what),
         destination_(destination),
@@ -219,7 +219,7 @@ Expected<std::uint64_t> Download::run() {
 
 Expected<std::uint64_t> download(Connection& connection, const RemoteFile& what,
                                  const fs::path& destination, const TransferCallback& progress,
-                                 std::stop_token stop) {
+                                 const std::stop_token& stop) {
   return Download(connection, what, destination, progress, stop).run();
 }
 

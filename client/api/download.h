@@ -21,6 +21,6 @@ struct RemoteFile {
 /// checks its SHA-256, renames it. Returns its size.
 Expected<std::uint64_t> download(Connection& connection, const RemoteFile& what,
                                  const std::filesystem::path& destination,
-                                 const TransferCallback& progress, std::stop_token stop);
+                                 const TransferCallback& progress, const std::stop_token& stop);
 
 }  // namespace tenter::client

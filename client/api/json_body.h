@@ -23,7 +23,7 @@ inline Expected<json> parse_reply(std::string_view operation, const std::string&
 }
 
 inline Expected<json> ask(Connection& connection, std::string_view operation, const json& body,
-                          std::stop_token stop = {}) {
+                          const std::stop_token& stop = {}) {
   auto text = connection.request(operation,
                                  body.dump(-1, ' ', false, json::error_handler_t::replace), stop);
   if (!text) return tl::unexpected(text.error());

@@ -58,7 +58,7 @@ class File {
 class Upload {
  public:
   Upload(Connection& connection, const fs::path& path, const TransferCallback& progress,
-         std::stop_token stop)
+         const std::stop_token& stop)
       : connection_(connection), path_(path), file_(path), progress_(progress), stop_(stop) {}
 
   Expected<UploadResult> run();
@@ -333,7 +333,7 @@ void Upload::tell() {
 }  // namespace
 
 Expected<UploadResult> upload(Connection& connection, const fs::path& path,
-                              const TransferCallback& progress, std::stop_token stop) {
+                              const TransferCallback& progress, const std::stop_token& stop) {
   return Upload(connection, path, progress, stop).run();
 }
 

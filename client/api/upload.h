@@ -13,6 +13,6 @@ namespace tenter::client {
 /// when chunks or acknowledgements are lost or the server was started again. Gives up after
 /// ClientOptions::timeout without progress.
 Expected<UploadResult> upload(Connection& connection, const std::filesystem::path& path,
-                              const TransferCallback& progress, std::stop_token stop);
+                              const TransferCallback& progress, const std::stop_token& stop);
 
 }  // namespace tenter::client

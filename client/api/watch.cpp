@@ -63,7 +63,7 @@ struct Change {
 class Watch {
  public:
   Watch(Connection& connection, const std::string& job_id, const WatchCallback& callback,
-        std::stop_token stop)
+        const std::stop_token& stop)
       : connection_(connection), job_id_(job_id), callback_(callback), stop_(stop) {}
   Expected<JobUpdate> run();
 
@@ -265,7 +265,7 @@ Expected<JobUpdate> Watch::run() {
 }  // namespace
 
 Expected<JobUpdate> watch(Connection& connection, const std::string& job_id,
-                          const WatchCallback& callback, std::stop_token stop) {
+                          const WatchCallback& callback, const std::stop_token& stop) {
   return Watch(connection, job_id, callback, stop).run();
 }
 

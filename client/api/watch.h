@@ -12,6 +12,6 @@ namespace tenter::client {
 /// Follows a job: asks once, then listens to job_state, job_event and fit_progress; what was missed
 /// is asked for.
 Expected<JobUpdate> watch(Connection& connection, const std::string& job_id,
-                          const WatchCallback& callback, std::stop_token stop);
+                          const WatchCallback& callback, const std::stop_token& stop);
 
 }  // namespace tenter::client

@@ -228,7 +228,7 @@ Participant::Impl::~Impl() {
   loop_.reset();
 }
 
-dds::Topic* Participant::Impl::take_topic(const std::string& name, dds::TypeSupport type) {
+dds::Topic* Participant::Impl::take_topic(const std::string& name, const dds::TypeSupport& type) {
   std::lock_guard lock(mutex_);
   for (auto& [topic, users] : topic_users_) {
     if (topic->get_name() != name) continue;

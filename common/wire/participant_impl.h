@@ -21,7 +21,7 @@ class Participant::Impl : public eprosima::fastdds::dds::DomainParticipantListen
 
   /// Topics are shared by the endpoints on them; null if the name is taken by another type.
   eprosima::fastdds::dds::Topic* take_topic(const std::string& name,
-                                            eprosima::fastdds::dds::TypeSupport type);
+                                            const eprosima::fastdds::dds::TypeSupport& type);
   void release_topic(eprosima::fastdds::dds::Topic* topic);
 
   void on_participant_discovery(

@@ -156,6 +156,7 @@ TEST(ClientsOverDds, ManyComeAndGo) {
 TEST(ClientsOverDds, TwentyAtOnce) {
   Daemon daemon;
   std::vector<std::thread> clients;
+  clients.reserve(20);
   std::atomic<int> done{0};
   for (int i = 0; i < 20; ++i)
     clients.emplace_back([&, i] {

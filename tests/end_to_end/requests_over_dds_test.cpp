@@ -50,8 +50,11 @@ class RawClient {
     requests_ =
         std::make_unique<wire::Writer<v1::Request>>(*participant_, wire::request_topic(user));
     std::unique_lock lock(mutex_);
-    while (!(server_ != wire::Uuid{} && requests_->matched(peer_) && replies_->matched(peer_)))
+    const auto end = Clock::now() + std::chrono::seconds(20);
+    while (!(server_ != wire::Uuid{} && requests_->matched(peer_) && replies_->matched(peer_))) {
+      if (Clock::now() > end) throw std::runtime_error("no server was found");
       changed_.wait_for(lock, std::chrono::milliseconds(5));
+    }
   }
 
   v1::Request make(const std::string& operation, const std::string& body) {

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// A DDS domain that no other test on this machine has, held by a lock on a file for the object's
-// life.
+// A DDS domain that no other test has at the same time, held for the object's life by a socket name
+// that exists once where the domain does: in this network namespace.
 #pragma once
 
-#include <fcntl.h>
-#include <sys/file.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <cstddef>
 #include <cstdlib>
-#include <filesystem>
+#include <cstring>
 #include <string>
 
 namespace tenter::test {
@@ -16,12 +17,14 @@ namespace tenter::test {
 class Domain {
  public:
   Domain() {
-    const auto folder = std::filesystem::temp_directory_path();
     for (int number = 60; number <= 230; ++number) {
-      const auto file = folder / ("tenter-test-domain-" + std::to_string(number));
-      const int lock = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-      if (lock < 0) continue;
-      if (::flock(lock, LOCK_EX | LOCK_NB) == 0) {
+      const int lock = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+      const std::string name = "tenter-test-domain-" + std::to_string(number);
+      sockaddr_un address{};  // the first octet of the path stays zero: a name, not a file
+      address.sun_family = AF_UNIX;
+      std::memcpy(address.sun_path + 1, name.data(), name.size());
+      const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+      if (::bind(lock, reinterpret_cast<const sockaddr*>(&address), length) == 0) {
         number_ = number;
         lock_ = lock;
         return;

@@ -31,6 +31,7 @@ TEST(Loop, ManyThreadsMayPost) {
   Loop loop;
   int count = 0;  // only the loop touches it
   std::vector<std::thread> threads;
+  threads.reserve(4);
   for (int t = 0; t < 4; ++t)
     threads.emplace_back([&] {
       for (int i = 0; i < 2000; ++i) loop.post([&] { ++count; });

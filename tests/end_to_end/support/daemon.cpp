@@ -56,10 +56,12 @@ void Daemon::start() {
                                     std::to_string(ready[1])};
   words.insert(words.end(), options_.arguments.begin(), options_.arguments.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   std::vector<std::string> added = options_.environment;
   std::vector<char*> environment;
+  environment.reserve(added.size() + 1);
   for (std::string& one : added) environment.push_back(one.data());
   for (char** one = environ; *one != nullptr; ++one) environment.push_back(*one);
   environment.push_back(nullptr);

@@ -4,8 +4,9 @@
 //   Expected<Capture> capture = read_capture(path);
 //   if (!capture) return tl::unexpected(capture.error());
 //
-// An Error is one clear sentence that names the thing (file, line, group, key) and the reason, plus a kind
-// from which the command line takes its exit code. Programmer mistakes abort; they are not Errors.
+// An Error is one clear sentence that names the thing (file, line, group, key) and the reason, plus
+// a kind from which the command line takes its exit code. Programmer mistakes abort; they are not
+// Errors.
 #pragma once
 
 #include <string>
@@ -16,14 +17,14 @@ namespace tenter {
 
 /// What went wrong, seen by who has to act. The numbers are the exit codes of the command line.
 enum class ErrorKind {
-  internal = 1,       ///< our fault: a defect of the program
-  bad_input = 2,      ///< the caller's file, option or document is wrong
-  not_found = 3,      ///< no such job, capture, model, file
-  refused = 4,        ///< quota, state or permission forbids it
-  unavailable = 5,    ///< no server, time-out, connection lost
-  no_space = 6,       ///< disk full or quota of the file system
-  job_failed = 7,     ///< the job ran and ended without a result
-  cancelled = 8       ///< stopped by the user
+  internal = 1,     ///< our fault: a defect of the program
+  bad_input = 2,    ///< the caller's file, option or document is wrong
+  not_found = 3,    ///< no such job, capture, model, file
+  refused = 4,      ///< quota, state or permission forbids it
+  unavailable = 5,  ///< no server, time-out, connection lost
+  no_space = 6,     ///< disk full or quota of the file system
+  job_failed = 7,   ///< the job ran and ended without a result
+  cancelled = 8     ///< stopped by the user
 };
 
 struct Error {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// SHA-256 of bytes and of files, as 64 lower-case hex digits: the name of everything in the content-addressed store.
+// SHA-256 of bytes and of files, as 64 lower-case hex digits: the name of everything in the
+// content-addressed store.
 #pragma once
 
 #include <filesystem>

@@ -32,7 +32,7 @@ struct LawInput {
   const double* parameters = nullptr;  ///< in the catalogue's order
   const double* state = nullptr;       ///< at the start of the step
   double duration_s = 0.0;             ///< of the step; 0 on the first frame of a run
-  bool wants_energy = true;            ///< laws whose energy is dear leave it at zero where it is not wanted
+  bool wants_energy = true;  ///< laws whose energy is dear leave it at zero where it is not wanted
 };
 
 struct LawOutput {

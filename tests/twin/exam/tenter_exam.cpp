@@ -106,7 +106,8 @@ int main(int argc, char** argv) {
   app.add_flag("--foreign", options.paper.foreign, "effects that the catalogue lacks, too");
   app.add_option("--first-seed", options.paper.first_seed, "default: 1");
   app.add_option("--threads", options.threads)->check(CLI::Range(1, 64));
-  app.add_flag("--list-failures", options.list_failures, "tell every answer that is not right as it comes");
+  app.add_flag("--list-failures", options.list_failures,
+               "tell every answer that is not right as it comes");
   app.add_option("--out", options.out, "folder for exam.txt and exam.json");
   CLI11_PARSE(app, argc, argv);
   return run(options);

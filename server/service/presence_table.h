@@ -29,6 +29,8 @@ class PresenceTable {
 
   /// Any thread; the longest connected first.
   std::vector<PresentClient> clients() const;
+  /// Loop thread, now and then.
+  void tidy();
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -36,6 +38,7 @@ class PresenceTable {
     PresentClient client;
     wire::Peer peer;
     Clock::time_point since;
+    Clock::time_point last_seen;
   };
   void leave(const wire::Peer& peer);
 

@@ -100,6 +100,7 @@ class Service::Impl {
       requests_->tidy();
       uploads_->tidy();
       downloads_->tidy();
+      presence_->tidy();
     }));
     announce(context);
     return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Who is connected: clients say so every two seconds, and are forgotten when they leave or fall
-// silent.
+// silent for six. (The liveliness of this version of Fast DDS notices when a topic's only writer
+// falls silent, not one of several.)
 #pragma once
 
 #include <chrono>

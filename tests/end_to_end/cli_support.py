@@ -9,6 +9,7 @@ import pty
 import select
 import shutil
 import signal
+import socket
 import struct
 import subprocess
 import sys
@@ -33,15 +34,14 @@ def main():
 
 
 def free_domain():
-    """A number and the open lock that keeps it; the same locks as support/daemon.h."""
+    """A number and the socket whose name keeps it, as tests/common/wire/domain.h does."""
     for number in range(60, 231):
-        path = pathlib.Path(tempfile.gettempdir()) / f"tenter-test-domain-{number}"
-        lock = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        lock = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock.bind(f"\0tenter-test-domain-{number}")
             return number, lock
-        except BlockingIOError:
-            os.close(lock)
+        except OSError:
+            lock.close()
     raise RuntimeError("no DDS domain is free")
 
 
@@ -82,7 +82,7 @@ class Daemon:
                 self.process.wait(15)
             except subprocess.TimeoutExpired:
                 self.kill()
-        os.close(self.lock)
+        self.lock.close()
         shutil.rmtree(self.folder, ignore_errors=True)
 
 

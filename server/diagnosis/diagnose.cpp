@@ -26,6 +26,7 @@ void parallel(int threads, int count, const std::function<void(int)>& task) {
   }
   std::atomic<int> next = 0;
   std::vector<std::jthread> pool;
+  pool.reserve(static_cast<std::size_t>(threads));
   for (int t = 0; t < std::min(threads, count); ++t)
     pool.emplace_back([&] {
       for (int i = next++; i < count; i = next++) task(i);
@@ -353,6 +354,7 @@ Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
   measure_gain(d, request.options, control);
 
   std::vector<Finding> findings;
+  findings.reserve(accepted.size());
   for (Accepted& entry : accepted)
     findings.push_back({std::move(entry.trial), std::move(entry.rivals)});
   control.report({"verdicts", "", 0, d.extended.fit.chi2, 0.95});

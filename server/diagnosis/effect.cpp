@@ -244,6 +244,7 @@ bool has_coupling(const model::Model& model) {
 
 std::vector<std::vector<Place>> place_groups(const std::vector<Place>& all) {
   std::vector<std::vector<Place>> groups;
+  groups.reserve(all.size());
   for (const Place& place : all) groups.push_back({place});
   for (std::size_t i = 0; i + 1 < all.size(); ++i) {
     if (all[i].name != "weft" || all[i + 1].name != "warp") continue;

@@ -44,6 +44,7 @@ Folds make_folds(const DataSet& data, const std::vector<Row>& rows, const std::s
     for (const CurveRun& run : data.curves[i].runs) order[i].push_back(runs_in_group[run.group]++);
   std::map<std::string, int> labels;
   std::vector<int> label_of;
+  label_of.reserve(rows.size());
   for (const Row& row : rows) label_of.push_back(fold_label(data, row, kind, labels, order));
   Folds folds;
   folds.kind = kind;

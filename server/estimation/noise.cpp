@@ -130,6 +130,7 @@ double rms(const std::vector<double>& x) {
 void tame(std::vector<std::vector<double>>& sequences) {
   if (sequences.size() < 3) return;
   std::vector<double> loudness;
+  loudness.reserve(sequences.size());
   for (const auto& s : sequences) loudness.push_back(rms(s));
   std::vector<double> sorted = loudness;
   std::sort(sorted.begin(), sorted.end());

@@ -108,6 +108,7 @@ std::vector<Outlier> find_outliers(const DataSet& data, const std::vector<Row>& 
       while (last < end && rows[last].block == rows[block].block) ++last;
       const auto order = along_strain(data.curves[i], rows, block, last);
       std::vector<double> x;
+      x.reserve(order.size());
       for (const std::size_t r : order) x.push_back(residuals[static_cast<Eigen::Index>(r)]);
       const std::vector<double> y = without_trend(x, options.half_window);
       const std::vector<double> around = local_scale(y, kScaleHalfWindow);
@@ -121,6 +122,7 @@ std::vector<Outlier> find_outliers(const DataSet& data, const std::vector<Row>& 
       block = last;
     }
     std::vector<double> size;
+    size.reserve(deviation.size());
     for (const double v : deviation) size.push_back(std::abs(v));
     // quantised readings have a median deviation of zero: never below the resolution, nor below a
     // declared sigma

@@ -30,7 +30,7 @@ TempFolder::~TempFolder() {
 }
 
 Daemon::Daemon(DaemonOptions options) : options_(std::move(options)) {
-  start();
+  if (options_.start) start();
 }
 
 Daemon::~Daemon() {

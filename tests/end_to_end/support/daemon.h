@@ -37,6 +37,7 @@ struct DaemonOptions {
   std::vector<std::string> environment;  ///< "NAME=value", added
   std::string worker;                    ///< "": the fake one
   int workers = 2;
+  bool start = true;  ///< else by start()
 };
 
 class Daemon {

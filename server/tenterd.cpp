@@ -89,7 +89,8 @@ void describe(CLI::App& app, Arguments& arguments) {
       "go back to\n"
       "the queue. Exit codes: 0 stopped by a signal, 1 defect, 2 bad option or configuration, 4 "
       "the store is\n"
-      "used by another daemon, 5 the DDS domain cannot be joined, 6 the disk is full.");
+      "configuration file, 4 the store is used by another daemon, 5 the DDS domain cannot be "
+      "joined, 6 the disk is full.");
 }
 
 Expected<void> complete(Arguments& arguments) {

@@ -85,12 +85,13 @@ void describe(CLI::App& app, Arguments& arguments) {
                  "trace, debug, info, warning, error or off [info]");
   app.add_option("--inspect-capture", arguments.inspect)->group("");
   app.footer(
-      "Runs in the foreground and logs to standard error; SIGTERM or SIGINT stops it: running jobs "
-      "go back to\n"
-      "the queue. Exit codes: 0 stopped by a signal, 1 defect, 2 bad option or configuration, 4 "
-      "the store is\n"
+      "Runs in the foreground and logs to standard error. SIGTERM or SIGINT stops it: running jobs "
+      "go\n"
+      "back to the queue.\n"
+      "Exit codes: 0 stopped by a signal, 1 defect, 2 bad option or configuration, 3 no such\n"
       "configuration file, 4 the store is used by another daemon, 5 the DDS domain cannot be "
-      "joined, 6 the disk is full.");
+      "joined,\n"
+      "6 the disk is full.");
 }
 
 Expected<void> complete(Arguments& arguments) {

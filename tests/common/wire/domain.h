@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A DDS domain that no other test has at the same time, held for the object's life by a socket name
-// that exists once where the domain does: in this network namespace. From 60 to 100: not the default
-// of users, and with ports below those that the system gives to others.
+// that exists once where the domain does: in this network namespace. From 60 to 100: not the
+// default of users, and with ports below those that the system gives to others.
 #pragma once
 
 #include <sys/socket.h>

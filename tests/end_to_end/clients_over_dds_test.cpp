@@ -170,7 +170,9 @@ TEST(ClientsOverDds, TwentyAtOnce) {
 }
 
 TEST(ClientsOverDds, WithLossOnTheWire) {
-  Daemon daemon({.arguments = {}, .environment = {"TENTER_DDS_LOST_PERCENT=5"}, .worker = {}});
+  DaemonOptions lossy;
+  lossy.environment = {"TENTER_DDS_LOST_PERCENT=5"};
+  Daemon daemon(lossy);
   auto client = daemon.connect("ada", std::chrono::seconds(30));
   ASSERT_TRUE(client) << client.error().message;
   slowest_request(*client, 200);

@@ -9,6 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
@@ -29,12 +31,24 @@ TempFolder::~TempFolder() {
   fs::remove_all(path_, ignored);
 }
 
-Daemon::Daemon(DaemonOptions options) : options_(std::move(options)) {
+namespace {
+
+std::string unique_name() {
+  static std::atomic<int> count{0};
+  return "test-" + std::to_string(::getpid()) + '-' + std::to_string(++count);
+}
+
+}  // namespace
+
+Daemon::Daemon(DaemonOptions options)
+    : options_(std::move(options)), name_(options_.name.empty() ? unique_name() : options_.name) {
+  ::setenv("TENTER_SERVER", name_.c_str(), 1);
   if (options_.start) start();
 }
 
 Daemon::~Daemon() {
   if (running()) kill();
+  ::unsetenv("TENTER_SERVER");
   if (::testing::Test::HasFailure())
     std::fprintf(stderr, "--- tenterd said:\n%s---\n", log().c_str());
 }
@@ -52,6 +66,8 @@ void Daemon::start() {
                                     std::to_string(options_.workers),
                                     "--worker",
                                     options_.worker.empty() ? TENTER_FAKE_WORKER : options_.worker,
+                                    "--name",
+                                    name_,
                                     "--ready-fd",
                                     std::to_string(ready[1])};
   words.insert(words.end(), options_.arguments.begin(), options_.arguments.end());

@@ -34,6 +34,7 @@ class TempFolder {
 
 struct DaemonOptions {
   std::vector<std::string> arguments;    ///< added to the command line
+  std::string name;                      ///< of the server; "": one that no other has
   std::vector<std::string> environment;  ///< "NAME=value", added
   std::string worker;                    ///< "": the fake one
   int workers = 2;
@@ -58,6 +59,7 @@ class Daemon {
 
   pid_t pid() const { return pid_; }
   int domain() const { return domain_.number(); }
+  const std::string& name() const { return name_; }
   std::filesystem::path store() const { return folder_.path() / "store"; }
   const std::filesystem::path& folder() const { return folder_.path(); }
   /// What it wrote to standard error so far.
@@ -71,6 +73,8 @@ class Daemon {
   const DaemonOptions options_;
   TempFolder folder_;
   Domain domain_;
+  const std::string
+      name_;  ///< in $TENTER_SERVER while it lives, so that clients find this daemon and no other
   pid_t pid_ = -1;
 };
 

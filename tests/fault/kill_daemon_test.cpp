@@ -17,6 +17,7 @@
 #include <random>
 #include <set>
 #include <sstream>
+#include <thread>
 
 #include "server/jobs/spec.h"
 #include "tests/fault/kill_protocol.h"
@@ -94,13 +95,19 @@ class Clients {
 
   int pick(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
 
-  /// A request without an answer is sent again, with its id, before anything new.
-  std::string next() {
+  /// One more life of the daemon begins; what may be asked of it grows with the lives, so that a fast
+  /// machine meets neither the user's quota nor hours of work.
+  void another_life() { ++lives_; }
+
+  /// A request without an answer is sent again, with its id, before anything new; nothing when this
+  /// life has been asked enough.
+  std::optional<std::string> next() {
     if (!unanswered_.empty()) {
       std::string again = unanswered_.front();
       unanswered_.pop_front();
       return again;
     }
+    if (requests_ + uploads_ >= kRequestsPerLife * lives_) return std::nullopt;
     const int dice = pick(0, 99);
     if (dice < 80) {
       const int number = ++requests_;
@@ -135,9 +142,11 @@ class Clients {
   std::set<std::string> captures;
 
  private:
+  static constexpr int kRequestsPerLife = 18;  // of 2,000 jobs that one user may have queued
+
   std::mt19937 random_;
   std::deque<std::string> unanswered_;
-  int requests_ = 0, uploads_ = 0;
+  int lives_ = 0, requests_ = 0, uploads_ = 0;
 };
 
 bool becomes_ready(Daemon& daemon, Time until) {
@@ -153,12 +162,14 @@ bool becomes_ready(Daemon& daemon, Time until) {
 void live_and_die(const std::filesystem::path& store, Clients& clients, Time death) {
   Daemon daemon(store);
   if (!becomes_ready(daemon, death)) return;
+  clients.another_life();
   for (;;) {
-    const std::string command = clients.next();
-    daemon.say(command);
+    const auto command = clients.next();
+    if (!command) return std::this_thread::sleep_until(death);  // its workers go on until then
+    daemon.say(*command);
     const auto answer = daemon.hear(death);
-    if (!answer) return clients.unanswered(command);
-    clients.answered(command, *answer);
+    if (!answer) return clients.unanswered(*command);
+    clients.answered(*command, *answer);
   }
 }
 

@@ -95,8 +95,8 @@ class Clients {
 
   int pick(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
 
-  /// One more life of the daemon begins; what may be asked of it grows with the lives, so that a fast
-  /// machine meets neither the user's quota nor hours of work.
+  /// One more life of the daemon begins; what may be asked of it grows with the lives, so that a
+  /// fast machine meets neither the user's quota nor hours of work.
   void another_life() { ++lives_; }
 
   /// A request without an answer is sent again, with its id, before anything new; nothing when this

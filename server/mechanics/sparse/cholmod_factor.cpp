@@ -167,8 +167,4 @@ std::unique_ptr<SparseFactor> make_cholmod_factor() {
   return std::make_unique<CholmodFactor>();
 }
 
-std::unique_ptr<SparseFactor> make_factor() {
-  return make_cholmod_factor();
-}
-
 }  // namespace tenter::mechanics

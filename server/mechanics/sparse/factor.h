@@ -63,7 +63,16 @@ class SparseFactor {
 /// thread.
 std::unique_ptr<SparseFactor> make_cholmod_factor();
 
-/// What to use.
+/// Instructions of the factorisation below. Each gives the same bytes run after run; between two of
+/// them results differ by rounding. `best` is what the processor can, and stands in for what it
+/// can't.
+enum class InstructionSet { best, avx512, avx2, portable };
+
+/// Our own supernodal factorisation with kernels for small panels. No BLAS, no threads, and of
+/// CHOLMOD only its orderings, which are LGPL.
+std::unique_ptr<SparseFactor> make_supernodal_factor(InstructionSet wanted = InstructionSet::best);
+
+/// What to use: the fastest at every size that was measured.
 std::unique_ptr<SparseFactor> make_factor();
 
 }  // namespace tenter::mechanics

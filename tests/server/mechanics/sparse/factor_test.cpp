@@ -22,6 +22,13 @@ struct Rival {
   std::unique_ptr<SparseFactor> (*make)();
 };
 
+std::unique_ptr<SparseFactor> make_avx2() {
+  return make_supernodal_factor(InstructionSet::avx2);
+}
+std::unique_ptr<SparseFactor> make_portable() {
+  return make_supernodal_factor(InstructionSet::portable);
+}
+
 class Factor : public testing::TestWithParam<Rival> {
  protected:
   std::mt19937 random{20};
@@ -30,7 +37,8 @@ class Factor : public testing::TestWithParam<Rival> {
 
 INSTANTIATE_TEST_SUITE_P(All, Factor,
                          testing::Values(Rival{"cholmod", make_cholmod_factor},
-                                         Rival{"best", make_factor}),
+                                         Rival{"best", make_factor}, Rival{"avx2", make_avx2},
+                                         Rival{"portable", make_portable}),
                          [](const auto& rival) { return std::string(rival.param.name); });
 
 struct Named {

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include <cstdint>
-#include <mutex>
 #include <numeric>
 
 namespace tenter::mechanics {
@@ -130,11 +129,15 @@ std::vector<int> minimum_degree_order(const BlockGraph& graph) {
 }
 
 std::vector<int> nested_dissection_order(const BlockGraph& graph) {
-  static std::mutex one_at_a_time;
-  const std::lock_guard lock(one_at_a_time);
+  const std::lock_guard lock(metis_mutex());
   return cholmod_order(graph, [](cholmod_sparse* matrix, int* order, cholmod_common* common) {
     return cholmod_metis(matrix, nullptr, 0, 0, order, common);
   });
+}
+
+std::mutex& metis_mutex() {
+  static std::mutex mutex;
+  return mutex;
 }
 
 }  // namespace tenter::mechanics

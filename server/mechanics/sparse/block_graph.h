@@ -3,6 +3,7 @@
 // fill-reducing orders. Used by the symbolic phase alone.
 #pragma once
 
+#include <mutex>
 #include <vector>
 
 #include "server/mechanics/sparse/symmetric_pattern.h"
@@ -24,8 +25,11 @@ BlockGraph block_graph(const SymmetricPattern& pattern);
 /// order[new] = old vertex, by approximate minimum degree (AMD).
 std::vector<int> minimum_degree_order(const BlockGraph& graph);
 
-/// order[new] = old vertex, by nested dissection (METIS). Not the same graph twice at a time: one
-/// thread orders, others wait. Re-seeds the C library's rand().
+/// order[new] = old vertex, by nested dissection (METIS). Holds metis_mutex() and re-seeds the C
+/// library's rand().
 std::vector<int> nested_dissection_order(const BlockGraph& graph);
+
+/// Held wherever METIS works: it draws from the C library's one generator, which it seeds itself.
+std::mutex& metis_mutex();
 
 }  // namespace tenter::mechanics

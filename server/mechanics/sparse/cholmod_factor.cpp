@@ -15,6 +15,7 @@
 #include <mutex>
 #include <vector>
 
+#include "server/mechanics/sparse/block_graph.h"
 #include "server/mechanics/sparse/factor.h"
 
 // Present when the BLAS is OpenBLAS; another BLAS leaves the pointer null.
@@ -75,7 +76,7 @@ class CholmodFactor final : public SparseFactor {
     matrix_.sorted = matrix_.packed = 1;
     if (pattern_.size == 0) return;
     const OneThread scope;
-    const std::lock_guard lock(ordering_mutex());
+    const std::lock_guard lock(metis_mutex());
     factor_ = cholmod_analyze(&matrix_, &common_);
     flops_ = common_.fl;
   }
@@ -120,12 +121,6 @@ class CholmodFactor final : public SparseFactor {
   }
 
  private:
-  // METIS draws from the C library's one generator, which it seeds itself: one ordering at a time.
-  static std::mutex& ordering_mutex() {
-    static std::mutex mutex;
-    return mutex;
-  }
-
   /// The BLAS lets NaN through and accepts any pivot above zero.
   bool pivots_hold(const double* values) const {
     const int* super = static_cast<const int*>(factor_->super);

@@ -22,7 +22,7 @@ double modelled_cost(double width, double height) {
 }
 
 /// Supernodes are cut above this width: a panel of the factor should stay in the second cache.
-constexpr int kWidest = 96;
+constexpr int kWidest = 64;
 
 std::vector<int> inverse(const std::vector<int>& order) {
   std::vector<int> place(order.size());

@@ -56,7 +56,7 @@ inline void subtract_lanes(double* p, Vec v, unsigned lanes) {
   _mm256_maskstore_pd(p, mask, _mm256_sub_pd(_mm256_maskload_pd(p, mask), v));
 }
 
-#include "server/mechanics/sparse/panel_kernels_body.h"
+#include "server/mechanics/sparse/panel_kernels.inc"
 
 }  // namespace
 

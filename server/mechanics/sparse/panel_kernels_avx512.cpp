@@ -55,7 +55,7 @@ inline void subtract_lanes(double* p, Vec v, unsigned lanes) {
   _mm512_mask_storeu_pd(p, mask, _mm512_sub_pd(_mm512_maskz_loadu_pd(mask, p), v));
 }
 
-#include "server/mechanics/sparse/panel_kernels_body.h"
+#include "server/mechanics/sparse/panel_kernels.inc"
 
 }  // namespace
 

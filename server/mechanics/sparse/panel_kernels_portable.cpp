@@ -46,7 +46,7 @@ inline void subtract_lanes(double* p, Vec v, unsigned lanes) {
   if ((lanes & 2) != 0) p[1] -= _mm_cvtsd_f64(_mm_unpackhi_pd(v, v));
 }
 
-#include "server/mechanics/sparse/panel_kernels_body.h"
+#include "server/mechanics/sparse/panel_kernels.inc"
 
 }  // namespace
 

@@ -100,18 +100,16 @@ class CholmodFactor final : public SparseFactor {
     const int size = pattern_.size;
     if (size == 0) return;
     const OneThread scope;
-    cholmod_dense one = {};
-    one.nrow = one.nzmax = one.d = size;
-    one.ncol = 1;
-    one.xtype = CHOLMOD_REAL;
-    one.dtype = CHOLMOD_DOUBLE;
-    for (int k = 0; k < count; ++k) {
-      one.x = const_cast<double*>(right_sides) + static_cast<std::size_t>(k) * size;
-      cholmod_solve2(CHOLMOD_A, factor_, &one, nullptr, &solution_, nullptr, &scratch_y_,
-                     &scratch_e_, &common_);
-      std::copy_n(static_cast<const double*>(solution_->x), size,
-                  solutions + static_cast<std::size_t>(k) * size);
-    }
+    cholmod_dense b = {};
+    b.nrow = b.d = size;
+    b.ncol = count;
+    b.nzmax = b.nrow * b.ncol;
+    b.xtype = CHOLMOD_REAL;
+    b.dtype = CHOLMOD_DOUBLE;
+    b.x = const_cast<double*>(right_sides);  // CHOLMOD only reads it
+    cholmod_solve2(CHOLMOD_A, factor_, &b, nullptr, &solution_, nullptr, &scratch_y_, &scratch_e_,
+                   &common_);
+    std::copy_n(static_cast<const double*>(solution_->x), b.nzmax, solutions);
   }
 
   FactorCost cost() const override {

@@ -10,7 +10,7 @@
 // One thread per factor at a time; several factors may work in several threads. The same calls give
 // the same bytes, run after run and from any thread. The factor keeps its scratch: after the first
 // factorize, and the first solve with a given count, nothing is allocated (CHOLMOD allocates inside
-// its own factorisation, and only there).
+// its own factorisation, and when the count changes).
 #pragma once
 
 #include <cstddef>

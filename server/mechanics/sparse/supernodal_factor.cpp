@@ -5,9 +5,7 @@
 // analyze; factorize and solve only compute.
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
-#include <limits>
 #include <new>
 #include <vector>
 
@@ -49,6 +47,9 @@ class AlignedArray {
   std::size_t size_ = 0;
 };
 
+/// Right-hand sides that are solved together: kBlock times so many.
+constexpr int kMostBlocks = 4;
+
 class SupernodalFactor final : public SparseFactor {
  public:
   explicit SupernodalFactor(const PanelKernels& kernels) : kernels_(kernels) {}
@@ -59,10 +60,19 @@ class SupernodalFactor final : public SparseFactor {
   FactorCost cost() const override;
 
  private:
+  /// An entry of A and its place in its panel.
+  struct Entry {
+    int source;
+    int place;
+  };
+
   void place_entries(const SymmetricPattern& pattern, const std::vector<int>& owner);
   void place_updates(const std::vector<int>& owner);
+  void open_panel(int s, const double* values);
   void solve_one(const double* right_side, double* solution);
-  void solve_block(const double* right_sides, double* solutions, int count);
+  void forward_block(int s, double* y);
+  void backward_block(int s, double* y);
+  void solve_blocks(const double* right_sides, double* solutions, int count);
 
   int rows(int s) const { return padded(shape_.height(s)); }
   double* panel(int s) const { return values_.data() + panel_start_[s]; }
@@ -71,16 +81,18 @@ class SupernodalFactor final : public SparseFactor {
   SupernodalStructure shape_;
   bool fits_ = true;
   int entry_count_ = 0;
-  std::vector<int> diagonal_;  ///< [size] entry of A on the diagonal of each new column
-  std::vector<std::uint32_t> entry_place_;  ///< [entries] of A in values_
-  std::vector<std::size_t> panel_start_;    ///< [supernodes] in values_
-  std::vector<int> update_start_;           ///< [supernodes + 1] into updates_
+  std::vector<int> diagonal_;             ///< [size] entry of A on the diagonal of each new column
+  std::vector<int> entry_start_;          ///< [supernodes + 1] into entries_
+  std::vector<Entry> entries_;            ///< of A, by panel
+  std::vector<char> is_open_;             ///< [supernodes] whether the panel holds its part of A
+  std::vector<std::size_t> panel_start_;  ///< [supernodes] in values_
+  std::vector<int> update_start_;         ///< [supernodes + 1] into updates_
   std::vector<PanelUpdate> updates_;
   std::vector<int> update_columns_, run_start_;
   std::vector<RowRun> runs_;
   AlignedArray values_;
   std::vector<double> smallest_pivot_, inverse_pivot_;
-  AlignedArray unknowns_, gathered_;  ///< kBlock right-hand sides: all rows, rows of one panel
+  AlignedArray unknowns_, gathered_;  ///< blocks of right-hand sides: all rows; one panel's
 };
 
 void SupernodalFactor::analyze(const SymmetricPattern& pattern) {
@@ -97,10 +109,11 @@ void SupernodalFactor::analyze(const SymmetricPattern& pattern) {
     total += static_cast<std::size_t>(rows(s)) * shape_.width(s);
     highest = std::max(highest, rows(s));
   }
+  is_open_.assign(supernodes, 0);
   smallest_pivot_.assign(pattern.size, 0.0);
   inverse_pivot_.assign(pattern.size, 0.0);
   // a tile may read, though not use, up to a block behind the last panel
-  fits_ = total < std::numeric_limits<std::uint32_t>::max() && values_.resize(total + kBlock) &&
+  fits_ = values_.resize(total + kBlock) &&
           unknowns_.resize(static_cast<std::size_t>(pattern.size) * kBlock) &&
           gathered_.resize(static_cast<std::size_t>(highest) * kBlock);
   if (!fits_) return;
@@ -112,8 +125,8 @@ void SupernodalFactor::place_entries(const SymmetricPattern& pattern,
                                      const std::vector<int>& owner) {
   std::vector<int> place(pattern.size);
   for (int i = 0; i < pattern.size; ++i) place[shape_.order[i]] = i;
-  entry_place_.resize(pattern.row.size());
   diagonal_.resize(pattern.size);
+  std::vector<std::vector<Entry>> by_panel(shape_.count());
   for (int old = 0; old < pattern.size; ++old) {
     diagonal_[place[old]] = pattern.column_start[old];
     for (int p = pattern.column_start[old]; p < pattern.column_start[old + 1]; ++p) {
@@ -122,11 +135,15 @@ void SupernodalFactor::place_entries(const SymmetricPattern& pattern,
       const int s = owner[col];
       const auto first = shape_.rows.begin() + shape_.row_start[s];
       const auto last = shape_.rows.begin() + shape_.row_start[s + 1];
-      const std::size_t local_row = std::lower_bound(first, last, row) - first;
-      entry_place_[p] = static_cast<std::uint32_t>(
-          panel_start_[s] + static_cast<std::size_t>(col - shape_.column_start[s]) * rows(s) +
-          local_row);
+      const int local_row = static_cast<int>(std::lower_bound(first, last, row) - first);
+      by_panel[s].push_back({p, (col - shape_.column_start[s]) * rows(s) + local_row});
     }
+  }
+  entries_.clear();
+  entry_start_.assign(1, 0);
+  for (const std::vector<Entry>& entries : by_panel) {
+    entries_.insert(entries_.end(), entries.begin(), entries.end());
+    entry_start_.push_back(static_cast<int>(entries_.size()));
   }
 }
 
@@ -175,16 +192,26 @@ void SupernodalFactor::place_updates(const std::vector<int>& owner) {
   }
 }
 
+// Just before its first update, so that a panel is cleared, filled and updated while it is in
+// cache.
+void SupernodalFactor::open_panel(int s, const double* values) {
+  if (is_open_[s] != 0) return;
+  is_open_[s] = 1;
+  double* entries = panel(s);
+  std::memset(entries, 0, sizeof(double) * rows(s) * shape_.width(s));
+  for (int e = entry_start_[s]; e < entry_start_[s + 1]; ++e)
+    entries[entries_[e].place] = values[entries_[e].source];
+}
+
 FactorStatus SupernodalFactor::factorize(const double* values) {
   if (!fits_) return FactorStatus::out_of_memory;
-  values_.clear();
-  double* entries = values_.data();
-  for (int p = 0; p < entry_count_; ++p) entries[entry_place_[p]] = values[p];
+  std::fill(is_open_.begin(), is_open_.end(), 0);
   for (std::size_t i = 0; i < diagonal_.size(); ++i)
     smallest_pivot_[i] = std::max(0.0, kTinyPivot * values[diagonal_[i]]);
 
   for (int s = 0; s < shape_.count(); ++s) {
     const int column = shape_.column_start[s];
+    open_panel(s, values);
     if (!kernels_.factor(panel(s), rows(s), shape_.width(s), smallest_pivot_.data() + column,
                          inverse_pivot_.data() + column)) {
       const bool finite = std::all_of(values, values + entry_count_,
@@ -193,6 +220,7 @@ FactorStatus SupernodalFactor::factorize(const double* values) {
     }
     for (int u = update_start_[s]; u < update_start_[s + 1]; ++u) {
       const int target = updates_[u].target;
+      open_panel(target, values);
       kernels_.update(panel(s), rows(s), shape_.width(s), updates_[u], panel(target), rows(target));
     }
   }
@@ -202,8 +230,15 @@ FactorStatus SupernodalFactor::factorize(const double* values) {
 void SupernodalFactor::solve(const double* right_sides, double* solutions, int count) {
   const std::size_t size = shape_.order.size();
   if (count == 1) return solve_one(right_sides, solutions);
-  for (int done = 0; done < count; done += kBlock)
-    solve_block(right_sides + done * size, solutions + done * size, std::min(kBlock, count - done));
+  // scratch for as many as are asked for, up to kMostBlocks, as far as there is memory
+  const int wanted = kBlock * std::min(kMostBlocks, (count + kBlock - 1) / kBlock);
+  if (unknowns_.size() < wanted * size && !unknowns_.resize(wanted * size))
+    fits_ = unknowns_.resize(kBlock * size);
+  if (!fits_ || size == 0) return;
+  const int together = static_cast<int>(unknowns_.size() / size);
+  for (int done = 0; done < count; done += together)
+    solve_blocks(right_sides + done * size, solutions + done * size,
+                 std::min(together, count - done));
 }
 
 void SupernodalFactor::solve_one(const double* right_side, double* solution) {
@@ -231,33 +266,52 @@ void SupernodalFactor::solve_one(const double* right_side, double* solution) {
   for (int i = 0; i < size; ++i) solution[shape_.order[i]] = y[i];
 }
 
-void SupernodalFactor::solve_block(const double* right_sides, double* solutions, int count) {
-  double* y = unknowns_.data();
+void SupernodalFactor::forward_block(int s, double* y) {
+  const int first = shape_.column_start[s], width = shape_.width(s), height = shape_.height(s);
+  const int* row = shape_.rows.data() + shape_.row_start[s];
   double* x = gathered_.data();
+  std::copy_n(y + first * kBlock, width * kBlock, x);
+  std::fill(x + width * kBlock, x + rows(s) * kBlock, 0.0);
+  kernels_.forward_block(panel(s), rows(s), width, inverse_pivot_.data() + first, x);
+  std::copy_n(x, width * kBlock, y + first * kBlock);
+  for (int r = width; r < height; ++r)
+    for (int k = 0; k < kBlock; ++k) y[row[r] * kBlock + k] += x[r * kBlock + k];
+}
+
+void SupernodalFactor::backward_block(int s, double* y) {
+  const int first = shape_.column_start[s], width = shape_.width(s), height = shape_.height(s);
+  const int* row = shape_.rows.data() + shape_.row_start[s];
+  double* x = gathered_.data();
+  for (int r = 0; r < height; ++r) std::copy_n(y + row[r] * kBlock, kBlock, x + r * kBlock);
+  std::fill(x + height * kBlock, x + rows(s) * kBlock, 0.0);
+  kernels_.backward_block(panel(s), rows(s), width, inverse_pivot_.data() + first, x);
+  std::copy_n(x, width * kBlock, y + first * kBlock);
+}
+
+// Every panel is read once for all blocks of right-hand sides: reading L is what a solve costs.
+void SupernodalFactor::solve_blocks(const double* right_sides, double* solutions, int count) {
   const std::size_t size = shape_.order.size();
-  for (std::size_t i = 0; i < size; ++i)
-    for (int k = 0; k < kBlock; ++k)
-      y[i * kBlock + k] = k < count ? right_sides[k * size + shape_.order[i]] : 0.0;
-  for (int s = 0; s < shape_.count(); ++s) {
-    const int first = shape_.column_start[s], width = shape_.width(s), height = shape_.height(s);
-    const int* row = shape_.rows.data() + shape_.row_start[s];
-    std::copy_n(y + first * kBlock, width * kBlock, x);
-    std::fill(x + width * kBlock, x + rows(s) * kBlock, 0.0);
-    kernels_.forward_block(panel(s), rows(s), width, inverse_pivot_.data() + first, x);
-    std::copy_n(x, width * kBlock, y + first * kBlock);
-    for (int r = width; r < height; ++r)
-      for (int k = 0; k < kBlock; ++k) y[row[r] * kBlock + k] += x[r * kBlock + k];
+  const int blocks = (count + kBlock - 1) / kBlock;
+  const auto unknowns = [&](int block) { return unknowns_.data() + block * size * kBlock; };
+  for (int block = 0; block < blocks; ++block) {
+    const double* from = right_sides + block * kBlock * size;
+    const int width = std::min(kBlock, count - block * kBlock);
+    double* y = unknowns(block);
+    for (std::size_t i = 0; i < size; ++i)
+      for (int k = 0; k < kBlock; ++k)
+        y[i * kBlock + k] = k < width ? from[k * size + shape_.order[i]] : 0.0;
   }
-  for (int s = shape_.count() - 1; s >= 0; --s) {
-    const int first = shape_.column_start[s], width = shape_.width(s), height = shape_.height(s);
-    const int* row = shape_.rows.data() + shape_.row_start[s];
-    for (int r = 0; r < height; ++r) std::copy_n(y + row[r] * kBlock, kBlock, x + r * kBlock);
-    std::fill(x + height * kBlock, x + rows(s) * kBlock, 0.0);
-    kernels_.backward_block(panel(s), rows(s), width, inverse_pivot_.data() + first, x);
-    std::copy_n(x, width * kBlock, y + first * kBlock);
+  for (int s = 0; s < shape_.count(); ++s)
+    for (int block = 0; block < blocks; ++block) forward_block(s, unknowns(block));
+  for (int s = shape_.count() - 1; s >= 0; --s)
+    for (int block = 0; block < blocks; ++block) backward_block(s, unknowns(block));
+  for (int block = 0; block < blocks; ++block) {
+    double* to = solutions + block * kBlock * size;
+    const int width = std::min(kBlock, count - block * kBlock);
+    const double* y = unknowns(block);
+    for (std::size_t i = 0; i < size; ++i)
+      for (int k = 0; k < width; ++k) to[k * size + shape_.order[i]] = y[i * kBlock + k];
   }
-  for (std::size_t i = 0; i < size; ++i)
-    for (int k = 0; k < count; ++k) solutions[k * size + shape_.order[i]] = y[i * kBlock + k];
 }
 
 template <class T>
@@ -271,10 +325,11 @@ FactorCost SupernodalFactor::cost() const {
   cost.factor_entries = static_cast<double>(values_.size());
   cost.bytes = sizeof(double) * (values_.size() + unknowns_.size() + gathered_.size()) +
                bytes_of(shape_.order) + bytes_of(shape_.column_start) + bytes_of(shape_.row_start) +
-               bytes_of(shape_.rows) + bytes_of(diagonal_) + bytes_of(entry_place_) +
-               bytes_of(panel_start_) + bytes_of(update_start_) + bytes_of(updates_) +
-               bytes_of(update_columns_) + bytes_of(run_start_) + bytes_of(runs_) +
-               bytes_of(smallest_pivot_) + bytes_of(inverse_pivot_);
+               bytes_of(shape_.rows) + bytes_of(diagonal_) + bytes_of(entry_start_) +
+               bytes_of(entries_) + bytes_of(is_open_) + bytes_of(panel_start_) +
+               bytes_of(update_start_) + bytes_of(updates_) + bytes_of(update_columns_) +
+               bytes_of(run_start_) + bytes_of(runs_) + bytes_of(smallest_pivot_) +
+               bytes_of(inverse_pivot_);
   return cost;
 }
 

@@ -23,8 +23,8 @@ double counter(const std::map<std::string, double>& counters, const char* name) 
 }  // namespace
 
 bool RatioTable::ReportContext(const Context& context) {
-  std::printf("%d cores, %.0f MHz, load %.2f; one thread; medians\n", context.cpu_info.num_cpus,
-              context.cpu_info.cycles_per_second / 1e6,
+  std::printf("%d cores, %.0f MHz, load %.2f; medians of the process's CPU time\n",
+              context.cpu_info.num_cpus, context.cpu_info.cycles_per_second / 1e6,
               context.cpu_info.load_avg.empty() ? -1.0 : context.cpu_info.load_avg[0]);
   return true;
 }
@@ -36,7 +36,7 @@ RatioTable::Row& RatioTable::row(const std::string& case_name, const std::string
   std::vector<Row>& rows = found->second;
   const auto same =
       std::find_if(rows.begin(), rows.end(), [&](const Row& entry) { return entry.name == way; });
-  return same != rows.end() ? *same : rows.emplace_back(Row{way, {}, {}});
+  return same != rows.end() ? *same : rows.emplace_back(Row{way, 0, {}, {}});
 }
 
 void RatioTable::ReportRuns(const std::vector<Run>& runs) {
@@ -49,7 +49,8 @@ void RatioTable::ReportRuns(const std::vector<Run>& runs) {
     const std::string name = run.run_name.function_name;
     const std::size_t slash = name.find('/');
     Row& entry = row(name.substr(0, slash), name.substr(slash + 1));
-    entry.milliseconds.push_back(run.GetAdjustedRealTime());
+    entry.place = run.family_index;
+    entry.milliseconds.push_back(run.GetAdjustedCPUTime());
     for (const auto& [key, value] : run.counters) entry.counters[key] = value.value;
   }
 }
@@ -57,6 +58,12 @@ void RatioTable::ReportRuns(const std::vector<Run>& runs) {
 void RatioTable::Finalize() {
   std::printf("%-24s %-28s %10s %7s %9s %8s %7s %9s\n", "case", "way", "ms", "floors", "Mflop",
               "GF/s", "MB", "residual");
+  for (auto& [name, rows] : cases_)  // turns end in any order
+    std::sort(rows.begin(), rows.end(),
+              [](const Row& a, const Row& b) { return a.place < b.place; });
+  std::sort(cases_.begin(), cases_.end(), [](const auto& a, const auto& b) {
+    return a.second.front().place < b.second.front().place;
+  });
   for (const auto& [name, rows] : cases_) {
     double floor = std::numeric_limits<double>::infinity();
     for (const Row& entry : rows)

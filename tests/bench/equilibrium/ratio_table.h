@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Prints what Google Benchmark measured as one table: medians of repetitions, each beside the floor
+// Prints what Google Benchmark measured as one table: medians of the repetitions' CPU
+// time (of all threads, so that what others do to the machine is left out), each beside the floor
 // of its case in the same run.
 #pragma once
 
 #include <benchmark/benchmark.h>
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -22,6 +24,7 @@ class RatioTable : public benchmark::BenchmarkReporter {
  private:
   struct Row {
     std::string name;
+    std::int64_t place = 0;  ///< in the order of registration
     std::vector<double> milliseconds;
     std::map<std::string, double> counters;
   };

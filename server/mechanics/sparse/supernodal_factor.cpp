@@ -11,7 +11,7 @@
 
 #include "server/mechanics/sparse/elimination.h"
 #include "server/mechanics/sparse/factor.h"
-#include "server/mechanics/sparse/panel_kernels.h"
+#include "server/mechanics/sparse/kernels/panel_kernels.h"
 
 namespace tenter::mechanics {
 

@@ -2,7 +2,7 @@
 // Panel kernels for AVX-512.
 #include <immintrin.h>
 
-#include "server/mechanics/sparse/panel_kernels.h"
+#include "server/mechanics/sparse/kernels/panel_kernels.h"
 
 // Only what follows is compiled for it: the build stays plain x86-64.
 #ifdef __clang__
@@ -55,7 +55,7 @@ inline void subtract_lanes(double* p, Vec v, unsigned lanes) {
   _mm512_mask_storeu_pd(p, mask, _mm512_sub_pd(_mm512_maskz_loadu_pd(mask, p), v));
 }
 
-#include "server/mechanics/sparse/panel_kernels.inc"
+#include "server/mechanics/sparse/kernels/body.inc"
 
 }  // namespace
 

@@ -2,7 +2,7 @@
 // Panel kernels for AVX2 with FMA.
 #include <immintrin.h>
 
-#include "server/mechanics/sparse/panel_kernels.h"
+#include "server/mechanics/sparse/kernels/panel_kernels.h"
 
 // Only what follows is compiled for it: the build stays plain x86-64.
 #ifdef __clang__
@@ -56,7 +56,7 @@ inline void subtract_lanes(double* p, Vec v, unsigned lanes) {
   _mm256_maskstore_pd(p, mask, _mm256_sub_pd(_mm256_maskload_pd(p, mask), v));
 }
 
-#include "server/mechanics/sparse/panel_kernels.inc"
+#include "server/mechanics/sparse/kernels/body.inc"
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/mechanics/sparse/panel_kernels.h"
+#include "server/mechanics/sparse/kernels/panel_kernels.h"
 
 namespace tenter::mechanics {
 

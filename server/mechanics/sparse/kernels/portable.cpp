@@ -2,7 +2,7 @@
 // Panel kernels for any x86-64.
 #include <immintrin.h>
 
-#include "server/mechanics/sparse/panel_kernels.h"
+#include "server/mechanics/sparse/kernels/panel_kernels.h"
 
 namespace tenter::mechanics {
 
@@ -46,7 +46,7 @@ inline void subtract_lanes(double* p, Vec v, unsigned lanes) {
   if ((lanes & 2) != 0) p[1] -= _mm_cvtsd_f64(_mm_unpackhi_pd(v, v));
 }
 
-#include "server/mechanics/sparse/panel_kernels.inc"
+#include "server/mechanics/sparse/kernels/body.inc"
 
 }  // namespace
 

@@ -72,7 +72,7 @@ enum class InstructionSet { best, avx512, avx2, portable };
 /// CHOLMOD only its orderings, which are LGPL.
 std::unique_ptr<SparseFactor> make_supernodal_factor(InstructionSet wanted = InstructionSet::best);
 
-/// What to use: the fastest at every size that was measured.
+/// What to use: ours where the processor has AVX2 or better, as measured; else CHOLMOD's.
 std::unique_ptr<SparseFactor> make_factor();
 
 }  // namespace tenter::mechanics

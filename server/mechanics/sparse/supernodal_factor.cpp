@@ -346,8 +346,4 @@ std::unique_ptr<SparseFactor> make_supernodal_factor(InstructionSet wanted) {
   return std::make_unique<SupernodalFactor>(*chosen);
 }
 
-std::unique_ptr<SparseFactor> make_factor() {
-  return make_supernodal_factor();
-}
-
 }  // namespace tenter::mechanics

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/server/mechanics/sparse/count_allocations.h"
+
+#include <cstddef>
+
+namespace tenter::mechanics::test {
+
+namespace {
+thread_local long counted = 0;
+}  // namespace
+
+long allocations() {
+  return counted;
+}
+
+}  // namespace tenter::mechanics::test
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+
+bool tenter::mechanics::test::counts_allocations() {
+  return false;
+}
+
+#else
+
+bool tenter::mechanics::test::counts_allocations() {
+  return true;
+}
+
+// glibc's allocator under its own names; operator new and BLAS come through here as well
+extern "C" {
+// NOLINTBEGIN(bugprone-reserved-identifier)
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* old, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+// NOLINTEND(bugprone-reserved-identifier)
+
+void* malloc(std::size_t size) {
+  ++tenter::mechanics::test::counted;
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) {
+  ++tenter::mechanics::test::counted;
+  return __libc_calloc(count, size);
+}
+void* realloc(void* old, std::size_t size) {
+  ++tenter::mechanics::test::counted;
+  return __libc_realloc(old, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  ++tenter::mechanics::test::counted;
+  return __libc_memalign(alignment, size);
+}
+}
+
+#endif

@@ -53,7 +53,7 @@ Expected<std::int64_t> integer(const Lines& lines, Words& words, const char* nam
 
 /// A count that the rest of the text can hold: each thing takes at least two bytes.
 Expected<std::int64_t> count(const Lines& lines, Words& words, const char* name) {
-  const Expected<std::int64_t> value = integer(lines, words, name);
+  Expected<std::int64_t> value = integer(lines, words, name);
   if (!value) return value;
   if (*value < 0 || static_cast<std::uint64_t>(*value) > lines.remaining() / 2)
     return lines.fail(kWhat, std::string(name) + " " + std::to_string(*value) +

@@ -70,16 +70,15 @@ TEST(Hexahedron, ShapeFunctionsAndTheirSlopes) {
                              numbers.between(-1, 1));
     EXPECT_NEAR(hexahedron_shape(xi).sum(), 1.0, 1e-15);
     EXPECT_LT((hexahedron_corners() * hexahedron_shape(xi) - xi).norm(), 1e-15);
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Matrix<double, 8, 1> oracle = testing::difference(
-          [&](double x) {
-            Eigen::Vector3d moved = xi;
-            moved[k] = x;
-            return Eigen::Matrix<double, 8, 1>(hexahedron_shape(moved));
-          },
-          xi[k], 1e-3);
-      for (int a = 0; a < 8; ++a) slopes.add(hexahedron_slopes(xi)(a, k), oracle[a]);
-    }
+    for (int k = 0; k < 3; ++k)
+      for (int a = 0; a < 8; ++a) {
+        const auto shape_along = [&](double x) {
+          Eigen::Vector3d moved = xi;
+          moved[k] = x;
+          return hexahedron_shape(moved)[a];
+        };
+        slopes.add(hexahedron_slopes(xi)(a, k), testing::difference(shape_along, xi[k], 1e-3));
+      }
   }
   slopes.judge(1e-10);
   for (int a = 0; a < 8; ++a)

@@ -116,7 +116,7 @@ TEST_F(ServiceTest, MemoryBeyondTheLimitIsToldAsSuch) {
 
 TEST_F(ServiceTest, AKilledWorkersJobRunsAgain) {
   open();
-  const JobId job = submit("k", R"({"sleep_ms": 400})");
+  const JobId job = submit("k", R"({"sleep_ms": 3000})");
   const int pid = worker_pid(job);
   ASSERT_GT(pid, 0);
   ASSERT_EQ(::kill(pid, SIGKILL), 0);

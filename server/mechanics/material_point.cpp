@@ -59,7 +59,7 @@ MaterialPoint::Balance MaterialPoint::evaluate(const HomogeneousStrain& kinemati
     StrainValue& strain = scratch.strains[t];
     term.measure.evaluate(c, strain);
     LawOutput& law = scratch.laws[t];
-    law = LawOutput{};
+    term.law->clear(law);
     LawInput in;
     in.strain = strain.value;
     in.parameters = parameters.data() + term.first_parameter;

@@ -131,7 +131,6 @@ constexpr Row kRows[] = {
     {"soft_pair", 2, soft_pair},
     {"area", 1, area},
     {"green_pair_vu", 2, green_pair_vu},
-    {"green_pair_vu", 2, green_pair_vu},
 };
 
 }  // namespace

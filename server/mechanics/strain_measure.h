@@ -24,12 +24,12 @@
 
 namespace tenter::mechanics {
 
-constexpr int kMaxStrains = 2;
+constexpr int kMaxStrains = 3;  ///< the principal stretches of a solid
 
 /// Strains of one measure at one state. Rows of `by_c` and entries of `by_cc` belong to the
 /// strains.
 struct StrainValue {
-  double value[kMaxStrains] = {0.0, 0.0};
+  double value[kMaxStrains] = {0.0, 0.0, 0.0};
   Eigen::Vector3d by_c[kMaxStrains];
   Eigen::Matrix3d by_cc[kMaxStrains];
 };

@@ -11,12 +11,14 @@ class LinearLaw final : public Law {
  public:
   explicit LinearLaw(int strains) : Law(strains, 1, 0) {}
   void evaluate(const LawInput& in, LawOutput& out) const override;
+  void evaluate_batch(const double* parameters, const LawBatch& batch) const override;
 };
 
 class BilinearLaw final : public Law {
  public:
   BilinearLaw() : Law(2, 1, 0) {}
   void evaluate(const LawInput& in, LawOutput& out) const override;
+  void evaluate_batch(const double* parameters, const LawBatch& batch) const override;
 };
 
 }  // namespace tenter::mechanics

@@ -24,7 +24,7 @@
 
 namespace tenter::mechanics {
 
-constexpr int kMaxLawParameters = 16;
+constexpr int kMaxLawParameters = 36;  ///< a grid of 6 x 6 energies
 constexpr int kMaxLawState = 2 * kMaxStrains;
 
 struct LawInput {

@@ -12,6 +12,10 @@
 //   sqrt(a.C.a) - 1 green_deviator  ((C_uu - C_vv)/2, C_uv)                   area sqrt(det C) - 1
 //   green_pair   (green_u, green_v)                           fibre_pair(theta)  fibres at +theta
 //   and -theta
+//   green_square tr E^2 = green_u^2 + green_v^2 + green_uv^2/2
+//   principal_stretches  both minus one, the larger first (near ones: see principal_stretch.h)
+//
+// A stretch or an area below kCollapsedStretch keeps its derivatives at that: finite answers.
 //
 // Stateless; callable from any thread; no allocation.
 #pragma once
@@ -21,6 +25,7 @@
 
 #include "common/base/error.h"
 #include "common/model/model.h"
+#include "server/mechanics/principal_stretch.h"
 
 namespace tenter::mechanics {
 
@@ -32,6 +37,8 @@ struct StrainValue {
   double value[kMaxStrains] = {0.0, 0.0, 0.0};
   Eigen::Vector3d by_c[kMaxStrains];
   Eigen::Matrix3d by_cc[kMaxStrains];
+  int near_count = 0;  ///< for add_near_pairs; zero but for principal stretches
+  NearPair<3> near[1];
 };
 
 class StrainMeasure {
@@ -42,11 +49,17 @@ class StrainMeasure {
   static Expected<StrainMeasure> make(const model::StrainMeasure& description);
 
   int count() const { return count_; }
-  void evaluate(const Eigen::Vector3d& c, StrainValue& out) const { function_(c, angle_rad_, out); }
+  /// Linear in c: by_c is the same at every strain and by_cc is zero.
+  bool is_linear() const { return is_linear_; }
+  void evaluate(const Eigen::Vector3d& c, StrainValue& out) const {
+    out.near_count = 0;
+    function_(c, angle_rad_, out);
+  }
 
  private:
   Function function_ = nullptr;
   int count_ = 1;
+  bool is_linear_ = false;
   double angle_rad_ = 0.0;
 };
 

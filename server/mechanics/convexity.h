@@ -7,7 +7,7 @@
 //   law_convexity    d2Psi/deps2 of one law in its own strains (addends of one strain; the
 //                    sufficient condition of 4.2.3), on a grid with both ends
 //   model_convexity  d2Psi/dF2 of a model, or of one of its terms, at given deformation gradients:
-//                    membranes F is 3 x 2 (columns w_u, w_v) lying in the plane, solids F is 3 x 3:
+//                    2 x 2 for membranes (columns w_u, w_v, in their plane), 3 x 3 for solids:
 //
 //     d2Psi/dF2 = G' (d2Psi/dz2) G + sum_k dPsi/dz_k d2z_k/dF2,    G = dz/dF,  z(F) of F'F
 //

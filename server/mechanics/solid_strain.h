@@ -22,8 +22,7 @@
 //
 //   auto measure = SolidStrain::make({"solid_log_volume"});
 //   SolidStrainValue strain;
-//   measure->evaluate(z, strain);   // strain.value[i], .by_z[i], .by_zz[i] for i <
-//   measure->count()
+//   measure->evaluate(z, strain);  // value[i], by_z[i], by_zz[i] for i < measure->count()
 #pragma once
 
 #include <Eigen/Core>

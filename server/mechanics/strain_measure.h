@@ -6,14 +6,14 @@
 // functions of C they are objective by construction; C_uu = |w_u|^2, C_vv = |w_v|^2, C_uv = w_u .
 // w_v in the notation of thesis 3.3.1.
 //
-//   green_u      (C_uu - 1)/2                      (3.3)      soft_u, spring_u   sqrt(C_uu) - 1
-//   (3.4), (3.1) green_uv     C_uv                              (3.3)      spring_d1, d2      edge
-//   at +45, -45 degrees green_trace  (C_uu + C_vv)/2 - 1                          fibre(theta)
-//   sqrt(a.C.a) - 1 green_deviator  ((C_uu - C_vv)/2, C_uv)                   area sqrt(det C) - 1
-//   green_pair   (green_u, green_v)                           fibre_pair(theta)  fibres at +theta
-//   and -theta
-//   green_square tr E^2 = green_u^2 + green_v^2 + green_uv^2/2
-//   principal_stretches  both minus one, the larger first (near ones: see principal_stretch.h)
+//   green_u, green_v     (C_ii - 1)/2   (3.3)      soft_u, soft_v      sqrt(C_ii) - 1   (3.4)
+//   green_uv             C_uv           (3.3)      spring_u, spring_v  sqrt(C_ii) - 1   (3.1)
+//   green_trace          (C_uu + C_vv)/2 - 1       spring_d1, d2       edge at +45, -45 degrees
+//   green_deviator       ((C_uu - C_vv)/2, C_uv)   fibre(theta)        sqrt(a.C.a) - 1
+//   green_pair           (green_u, green_v)        fibre_pair(theta)   at +theta and -theta
+//   green_square         tr E^2                    green_fibre, _pair  (a.C.a - 1)/2
+//   area                 sqrt(det C) - 1
+//   principal_stretches  both minus one, larger first (see principal_stretch.h for near ones)
 //
 // A stretch or an area below kCollapsedStretch keeps its derivatives at that: finite answers.
 //

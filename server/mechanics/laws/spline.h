@@ -2,11 +2,10 @@
 // Spline laws, the same curve on each strain of the measure; all are linear in their parameters.
 //
 //   hermite_stiffness  sigma = k(eps) eps, k a cubic Hermite spline through n control points
-//   (thesis 3.3.2), the energy
-//                      its closed-form integral; one point is the linear law
-//   bspline_stiffness  the same with a clamped cubic B-spline, which stays non-negative when its
-//   coefficients are convex_spline      sigma = integral of E from 0, E(eps) = sum e_j B_j(eps) >=
-//   0: the energy is convex in the strain
+//                      (thesis 3.3.2), the energy its closed-form integral; one point: linear
+//   bspline_stiffness  the same with a clamped cubic B-spline: k >= 0 where its coefficients are
+//   convex_spline      sigma = integral of E from 0, E(eps) = sum e_j B_j(eps) >= 0: the energy
+//                      is convex in the strain
 //
 // Control points are even over [range_lo, range_hi]; outside, the end value of k (of E) continues.
 #pragma once

@@ -57,9 +57,9 @@ TEST(LawConvexity, ConvexSplinesAreConvexForAllNonNegativeParameters) {
   double largest = 0.0;
   int hermite_concave = 0;
   for (int sample = 0; sample < 200; ++sample) {
-    std::vector<double> values;
-    for (int i = 0; i < 2 + sample % 9; ++i)
-      values.push_back(numbers.between(0.0, 1.0) < 0.4 ? 0.0 : numbers.between(0.0, 500.0));
+    std::vector<double> values(static_cast<std::size_t>(2 + sample % 9));
+    for (double& value : values)
+      value = numbers.between(0.0, 1.0) < 0.4 ? 0.0 : numbers.between(0.0, 500.0);
     const model::Law convex = law_with("convex_spline", values, -0.1, 0.3);
     const Convexity at = law_convexity(*made(convex, 1), values.data(), -0.3, 0.6, 301);
     EXPECT_GE(at.smallest, -1e-12 * std::max(at.largest, 1.0)) << sample;

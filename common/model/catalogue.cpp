@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/model/catalogue.h"
 
+#include <cmath>
+
 namespace tenter::model {
 
 namespace {
@@ -27,6 +29,60 @@ Parameter default_parameter(const ParameterRow& row) {
 
 }  // namespace
 
+namespace {
+
+/// N^newtons s^seconds m^metres for the few combinations that rows have.
+std::string_view unit_of(bool energy, bool seconds, int metres) {
+  struct Unit {
+    bool energy, seconds;
+    int metres;
+    std::string_view text;
+  };
+  static constexpr Unit kUnits[] = {
+      {true, false, -2, "N/m^2"}, {true, false, -1, "N/m"},  {true, false, 0, "N"},
+      {true, false, 1, "N m"},    {true, false, 2, "N m^2"}, {true, true, -2, "N s/m^2"},
+      {true, true, -1, "N s/m"},  {true, true, 1, "N s m"},  {false, false, 0, "1"},
+      {false, false, -1, "1/m"},  {false, false, 2, "m^2"}};
+  for (const Unit& unit : kUnits)
+    if (unit.energy == energy && unit.seconds == seconds && unit.metres == metres) return unit.text;
+  return "";
+}
+
+}  // namespace
+
+std::string_view words_of(Domain domain) {
+  switch (domain) {
+    case Domain::membrane:
+      return "membrane";
+    case Domain::edge:
+      return "edge";
+    case Domain::hinge:
+      return "hinge";
+    case Domain::solid:
+      return "solid";
+  }
+  return "";
+}
+
+ParameterRow in_domain(const ParameterRow& row, Domain domain) {
+  ParameterRow result = row;
+  const bool energy = row.unit == "N/m" || row.unit == "N s/m";
+  const bool seconds = row.unit == "N s/m";
+  double scale = 1.0;
+  if (domain == Domain::solid && energy) {
+    scale = 1e3;
+    result.unit = unit_of(true, seconds, -2);
+  } else if (domain == Domain::hinge && (energy || row.per_strain != 0)) {
+    constexpr double kCurvature = 1e3;
+    scale = (energy ? 0.1 : 1.0) / std::pow(kCurvature, row.per_strain);
+    result.unit = unit_of(energy, seconds, (energy ? -1 : 0) + row.per_strain);
+  }
+  result.value *= scale;
+  if (result.lower) *result.lower *= scale;
+  if (result.upper) *result.upper *= scale;
+  return result;
+}
+
 // One line per row, however long.
 // clang-format off
 
@@ -43,34 +99,68 @@ const std::vector<StrainRow>& strain_catalogue() {
       {"soft_u", 1, false, "engineering strain along the weft, |w_u| - 1"},
       {"soft_v", 1, false, "engineering strain along the warp, |w_v| - 1"},
       {"soft_pair", 2, false, "engineering strains along weft and warp, together"},
-      {"spring_u", 1, false, "relative change of length of a spring along the weft"},
-      {"spring_v", 1, false, "relative change of length of a spring along the warp"},
-      {"spring_d1", 1, false, "relative change of length of a spring at +45 degrees"},
-      {"spring_d2", 1, false, "relative change of length of a spring at -45 degrees"},
+      {"spring_u", 1, false, "relative change of length of a spring along the weft", Domain::edge},
+      {"spring_v", 1, false, "relative change of length of a spring along the warp", Domain::edge},
+      {"spring_d1", 1, false, "relative change of length of a spring at +45 degrees", Domain::edge},
+      {"spring_d2", 1, false, "relative change of length of a spring at -45 degrees", Domain::edge},
       {"fibre", 1, true, "engineering strain of a fibre at an angle from the weft, |F a| - 1"},
       {"green_fibre", 1, true, "Green-Lagrange strain of a fibre at an angle from the weft, (|F a|^2 - 1) / 2"},
       {"fibre_pair", 2, true, "engineering strains of the two fibres at plus and minus the angle"},
       {"green_fibre_pair", 2, true, "Green-Lagrange strains of the two fibres at plus and minus the angle"},
       {"area", 1, false, "relative change of area, J - 1"},
+      {"green_square", 1, false, "trace of the square of the Green-Lagrange strain tensor"},
+      {"principal_stretches", 2, false, "both principal stretches minus one, the larger first"},
+      // name, strains, angle, words, domain, answers a homogeneous strain
+      {"ring2_u", 1, false, "relative change of length of a spring along the weft that spans two edges", Domain::edge, false},
+      {"ring2_v", 1, false, "relative change of length of a spring along the warp that spans two edges", Domain::edge, false},
+      {"ring2_d", 1, false, "relative change of length of a diagonal spring that spans two edges", Domain::edge, false},
+      {"bend_u", 1, false, "bending along the weft: change of dihedral angle over a third of the triangles' height", Domain::hinge, false},
+      {"bend_v", 1, false, "bending along the warp: change of dihedral angle over a third of the triangles' height", Domain::hinge, false},
+      {"bend_d", 1, false, "bending across diagonal edges: change of dihedral angle over a third of the triangles' height", Domain::hinge, false},
+      {"solid_green_xx", 1, false, "Green-Lagrange strain along x, (C_xx - 1) / 2", Domain::solid, false},
+      {"solid_green_yy", 1, false, "Green-Lagrange strain along y, (C_yy - 1) / 2", Domain::solid, false},
+      {"solid_green_zz", 1, false, "Green-Lagrange strain along z, (C_zz - 1) / 2", Domain::solid, false},
+      {"solid_green_yz", 1, false, "Green-Lagrange shear in y-z, C_yz", Domain::solid, false},
+      {"solid_green_xz", 1, false, "Green-Lagrange shear in x-z, C_xz", Domain::solid, false},
+      {"solid_green_xy", 1, false, "Green-Lagrange shear in x-y, C_xy", Domain::solid, false},
+      {"solid_green_normal", 3, false, "Green-Lagrange strains along x, y and z, together", Domain::solid, false},
+      {"solid_green_shear", 3, false, "Green-Lagrange shears in y-z, x-z and x-y, together", Domain::solid, false},
+      {"solid_green_trace", 1, false, "trace of the Green-Lagrange strain tensor of a solid", Domain::solid, false},
+      {"solid_green_square", 1, false, "trace of the square of the Green-Lagrange strain tensor of a solid", Domain::solid, false},
+      {"solid_invariant_1", 1, false, "first invariant of C minus 3", Domain::solid, false},
+      {"solid_invariant_2", 1, false, "second invariant of C minus 3", Domain::solid, false},
+      {"solid_isochoric_1", 1, false, "first invariant of C without its change of volume, I_1 J^(-2/3) - 3", Domain::solid, false},
+      {"solid_isochoric_2", 1, false, "second invariant of C without its change of volume, I_2 J^(-4/3) - 3", Domain::solid, false},
+      {"solid_log_volume", 1, false, "logarithm of the relative volume, ln J", Domain::solid, false},
+      {"solid_volume", 1, false, "relative change of volume, J - 1", Domain::solid, false},
+      {"solid_neo_hookean", 1, false, "I_1 - 3 - 2 ln J, which is at rest without stress", Domain::solid, false},
+      {"solid_principal_stretches", 3, false, "the three principal stretches minus one, the largest first", Domain::solid, false},
+      {"solid_fibre", 1, true, "engineering strain of a fibre of a solid, |F a| - 1", Domain::solid, false},
+      {"solid_green_fibre", 1, true, "Green-Lagrange strain of a fibre of a solid, (|F a|^2 - 1) / 2", Domain::solid, false},
   };
   return rows;
 }
 
 const std::vector<LawRow>& law_catalogue() {
   static const std::vector<LawRow> rows = {
-      // name, strains, spline, fewest points, path, rate, {{parameter, unit, lower, upper, default, fixed}...}, words
-      {"linear", 0, false, 0, false, false, {{"k", "N/m", 0.0, kNone, 100.0}}, "constant stiffness: energy k/2 |eps|^2"},
-      {"bilinear", 2, false, 0, false, false, {{"c", "N/m", kNone, kNone, 10.0}}, "coupling of two strains: energy c eps_1 eps_2"},
-      {"hermite_stiffness", 0, true, 1, false, false, {{"k", "N/m", 0.0, kNone, 100.0}}, "stress k(eps) eps with k a Hermite spline through non-negative control points (thesis 3.3.2)"},
-      {"bspline_stiffness", 0, true, 4, false, false, {{"k", "N/m", 0.0, kNone, 100.0}}, "stress k(eps) eps with k a cubic B-spline of non-negative coefficients"},
-      {"convex_spline", 0, true, 2, false, false, {{"k", "N/m", 0.0, kNone, 100.0}}, "tangent stiffness a non-negative B-spline and stress its integral: a convex energy"},
-      {"exponential_fibre", 1, false, 0, false, false, {{"k", "N/m", 0.0, kNone, 100.0}, {"beta", "1", 0.0, kNone, 1.0}}, "fibre that stiffens exponentially with its strain"},
-      {"dahl", 0, false, 0, true, false, {{"a", "N/m", 0.0, kNone, 1.0}, {"b", "N/m", 0.0, kNone, 1.0}, {"c", "N/m", 0.0, kNone, 0.0, true}, {"tau", "1", 1e-6, kNone, 0.01}}, "internal friction after Dahl, sigma_max = a + b |eps| + c eps^2, reached over the strain tau (thesis 5.2)"},
-      {"maxwell", 0, false, 0, true, true, {{"k", "N/m", 0.0, kNone, 10.0}, {"relaxation_time", "s", 1e-6, kNone, 1.0}}, "spring and dashpot in series: stress that relaxes in a hold"},
-      {"kelvin_voigt", 0, false, 0, true, true, {{"eta", "N s/m", 0.0, kNone, 1.0}}, "dashpot beside the other terms: stress eta times strain rate"},
-      {"plastic_set", 1, false, 0, true, false, {{"c", "N/m", 0.0, kNone, 10.0}, {"yield_strain", "1", 0.0, kNone, 0.05}}, "strain beyond the yield strain that stays, growing with new maxima only"},
-      {"plastic_set_coupled", 2, false, 0, true, false, {{"c", "N/m", 0.0, kNone, 10.0}, {"coupling", "N/m", kNone, kNone, 0.0}, {"yield_strain", "1", 0.0, kNone, 0.05}}, "plastic set of the first strain that also shifts the stress of the second"},
-      {"softening", 1, false, 0, true, false, {{"k", "N/m", 0.0, kNone, 10.0}, {"strain_scale", "1", 1e-6, kNone, 0.1}, {"power", "1", 1.0, 8.0, 1.0, true}}, "stress k eps^power that the first loading to each new maximum had and later ones lose (Mullins)"},
+      // name, strains, spline, fewest points, path, rate, {{parameter, unit, lower, upper, default, fixed, per strain}...}, words
+      {"linear", 0, false, 0, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "constant stiffness: energy k/2 |eps|^2"},
+      {"bilinear", 2, false, 0, false, false, {{"c", "N/m", kNone, kNone, 10.0, false, 2}}, "coupling of two strains: energy c eps_1 eps_2"},
+      {"hermite_stiffness", 0, true, 1, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "stress k(eps) eps with k a Hermite spline through non-negative control points (thesis 3.3.2)"},
+      {"bspline_stiffness", 0, true, 4, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "stress k(eps) eps with k a cubic B-spline of non-negative coefficients"},
+      {"convex_spline", 0, true, 2, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "tangent stiffness a non-negative B-spline and stress its integral: a convex energy"},
+      {"constant_stress", 1, false, 0, false, false, {{"c", "N/m", kNone, kNone, 10.0, false, 1}}, "energy c eps: for strains that are energies already, such as invariants"},
+      {"ogden", 0, false, 0, false, false, {{"mu", "N/m", kNone, kNone, 50.0}, {"alpha", "1", -32.0, 32.0, 2.0}}, "energy mu ((1 + eps)^alpha - 1)/alpha - mu ln(1 + eps) of each stretch (Ogden)"},
+      {"hermite_energy", 1, true, 2, false, false, {{"w", "N/m", kNone, kNone, 0.0}}, "energy a Hermite spline through control points (thesis 4.2)"},
+      {"gaussian_energy", 1, true, 2, false, false, {{"w", "N/m", kNone, kNone, 0.0}}, "energy a sum of Gaussians with even centres (thesis 4.2)"},
+      {"gaussian_energy_2", 2, true, 4, false, false, {{"w", "N/m", kNone, kNone, 0.0}}, "energy of two strains, a sum of Gaussians on a square grid of centres (thesis 4.2)", true},
+      {"exponential_fibre", 1, false, 0, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}, {"beta", "1", 0.0, kNone, 1.0, false, 2}}, "fibre that stiffens exponentially with its strain"},
+      {"dahl", 0, false, 0, true, false, {{"a", "N/m", 0.0, kNone, 1.0, false, 1}, {"b", "N/m", 0.0, kNone, 1.0, false, 2}, {"c", "N/m", 0.0, kNone, 0.0, true, 3}, {"tau", "1", 1e-6, kNone, 0.01, false, -1}}, "internal friction after Dahl, sigma_max = a + b |eps| + c eps^2, reached over the strain tau (thesis 5.2)"},
+      {"maxwell", 0, false, 0, true, true, {{"k", "N/m", 0.0, kNone, 10.0, false, 2}, {"relaxation_time", "s", 1e-6, kNone, 1.0}}, "spring and dashpot in series: stress that relaxes in a hold"},
+      {"kelvin_voigt", 0, false, 0, true, true, {{"eta", "N s/m", 0.0, kNone, 1.0, false, 2}}, "dashpot beside the other terms: stress eta times strain rate"},
+      {"plastic_set", 1, false, 0, true, false, {{"c", "N/m", 0.0, kNone, 10.0, false, 2}, {"yield_strain", "1", 0.0, kNone, 0.05, false, -1}}, "strain beyond the yield strain that stays, growing with new maxima only"},
+      {"plastic_set_coupled", 2, false, 0, true, false, {{"c", "N/m", 0.0, kNone, 10.0, false, 2}, {"coupling", "N/m", kNone, kNone, 0.0, false, 2}, {"yield_strain", "1", 0.0, kNone, 0.05, false, -1}}, "plastic set of the first strain that also shifts the stress of the second"},
+      {"softening", 1, false, 0, true, false, {{"k", "N/m", 0.0, kNone, 10.0, false, 2}, {"strain_scale", "1", 1e-6, kNone, 0.1, false, -1}, {"power", "1", 1.0, 8.0, 1.0, true}}, "stress k eps^power that the first loading to each new maximum had and later ones lose (Mullins)"},
   };
   return rows;
 }
@@ -99,13 +189,14 @@ const CorrectionRow* find_correction(std::string_view name) {
   return find_row(correction_catalogue(), name);
 }
 
-std::vector<Parameter> default_parameters(const LawRow& law, int control_points) {
+std::vector<Parameter> default_parameters(const LawRow& law, int control_points, Domain domain) {
   std::vector<Parameter> parameters;
   if (!law.spline) {
-    for (const ParameterRow& row : law.parameters) parameters.push_back(default_parameter(row));
+    for (const ParameterRow& row : law.parameters)
+      parameters.push_back(default_parameter(in_domain(row, domain)));
     return parameters;
   }
-  const ParameterRow& row = law.parameters.front();
+  const ParameterRow row = in_domain(law.parameters.front(), domain);
   for (int i = 1; i <= control_points; ++i) {
     parameters.push_back(default_parameter(row));
     parameters.back().name += std::to_string(i);
@@ -120,8 +211,9 @@ std::vector<Parameter> default_parameters(const CorrectionRow& correction) {
   return parameters;
 }
 
-std::pair<double, double> spline_range(const Law& law) {
-  if (law.range_lo == law.range_hi) return {0.0, 0.5};
+std::pair<double, double> spline_range(const Law& law, Domain domain) {
+  if (law.range_lo == law.range_hi)
+    return domain == Domain::hinge ? std::pair{-300.0, 300.0} : std::pair{0.0, 0.5};
   return {law.range_lo, law.range_hi};
 }
 

@@ -17,6 +17,15 @@
 
 namespace tenter::model {
 
+/// On which elements of a mesh a measure lives, and with it the units of a term's parameters.
+enum class Domain {
+  membrane,  ///< triangles: energy per area (N/m), strain without unit
+  edge,      ///< springs: the same
+  hinge,     ///< pairs of triangles: energy per area (N/m), strain a curvature (1/m)
+  solid      ///< tetrahedra, hexahedra: energy per volume (N/m^2), strain without unit
+};
+
+/// Units, bounds and defaults are those of a membrane; see in_domain() for the others.
 struct ParameterRow {
   std::string_view name;
   std::string_view unit;
@@ -24,15 +33,17 @@ struct ParameterRow {
   std::optional<double> upper;
   double value = 0.0;  ///< where a document gives none
   bool fixed = false;  ///< not fitted unless a document says otherwise
+  int per_strain = 0;  ///< n: the parameter is energy / strain^n (unit N/m, N s/m) or strain^-n
 };
 
-/// Warp is v, weft is u; w_u and w_v are the columns of F in material axes; every strain is without
-/// unit.
+/// Warp is v, weft is u; w_u and w_v are the columns of F in material axes.
 struct StrainRow {
   std::string_view name;
   int strains = 1;         ///< k: how many scalars it gives
-  bool has_angle = false;  ///< takes angle_rad, from weft towards warp
+  bool has_angle = false;  ///< takes angle_rad, from weft towards warp; solids also elevation_rad
   std::string_view words;
+  Domain domain = Domain::membrane;
+  bool at_point = true;  ///< edges, hinges: answers a homogeneous strain of a material point
 };
 
 struct LawRow {
@@ -40,10 +51,11 @@ struct LawRow {
   int strains = 1;      ///< how many scalar strains it takes; 0: any number
   bool spline = false;  ///< parameters[0] stands for one control point; they are named k1, k2, ...
   int min_points = 0;   ///< spline laws: fewest control points
-  bool path_dependent = false;  ///< has a memory: must be stepped along the path
-  bool rate_dependent = false;  ///< needs time
-  std::vector<ParameterRow> parameters;
+  bool path_dependent = false;           ///< has a memory: must be stepped along the path
+  bool rate_dependent = false;           ///< needs time
+  std::vector<ParameterRow> parameters;  ///< never empty
   std::string_view words;
+  bool grid = false;  ///< spline laws of two strains: as many control points as a square number
 };
 
 /// A correction turns the true stress of a component into what its channel shows.
@@ -64,13 +76,24 @@ const CorrectionRow* find_correction(std::string_view name);
 
 constexpr int kMaxControlPoints = 64;
 
+/// "membrane", "edge", "hinge" or "solid".
+std::string_view words_of(Domain domain);
+
+/// A row with the unit of its domain, and bounds and default scaled to what is usual there: a
+/// solid's moduli are 10^3 times a membrane's, a curvature is 10^3 (1/m) times a strain, and the
+/// energy of bending a tenth of that of stretching: 100 N/m becomes 1e5 N/m^2 and 1e-5 N m.
+ParameterRow in_domain(const ParameterRow& row, Domain domain);
+
 /// The parameters of a law at their defaults, in the catalogue's order; `control_points` counts for
 /// splines only.
-std::vector<Parameter> default_parameters(const LawRow& law, int control_points = 0);
+std::vector<Parameter> default_parameters(const LawRow& law, int control_points = 0,
+                                          Domain domain = Domain::membrane);
 std::vector<Parameter> default_parameters(const CorrectionRow& correction);
 
 /// Strains of the first and the last control point of a spline law. Equal bounds in the document
-/// mean "not chosen yet": a fit puts the range that its data reach, and until then 0 to 0.5 holds.
-std::pair<double, double> spline_range(const Law& law);
+/// mean "not chosen yet": a fit puts the range that its data reach, and until then 0 to 0.5 holds
+/// (-300 to 300 1/m for hinges, which bend both ways: a radius of 1 cm at three times its
+/// curvature).
+std::pair<double, double> spline_range(const Law& law, Domain domain = Domain::membrane);
 
 }  // namespace tenter::model

@@ -2,6 +2,7 @@
 // Reading walks the document with a Node that knows its own path. A bad key ends the walk at once:
 // BadKey is thrown and caught in this file only, and becomes the Error of parse_model.
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -77,6 +78,13 @@ class Node {
     return json_->get<double>();
   }
   bool is_number() const { return json_->is_number(); }
+  /// A whole number from 1 on.
+  int index() const {
+    const double value = number();
+    if (!(value >= 1.0 && value <= 1e6) || value != std::floor(value))
+      refuse("must be a whole number from 1 on");
+    return static_cast<int>(value);
+  }
   bool boolean() const {
     if (!json_->is_boolean()) refuse(must_be("true or false"));
     return json_->get<bool>();
@@ -143,7 +151,7 @@ std::vector<Parameter> read_parameters(const Node& node, std::vector<Parameter> 
   return defaults;
 }
 
-Law read_law(const Node& node) {
+Law read_law(const Node& node, Domain domain) {
   node.expect_object({"name", "range", "parameters"});
   Law law;
   law.name = node["name"].text();
@@ -163,11 +171,11 @@ Law read_law(const Node& node) {
     const Node points = node["parameters"];
     points.expect_object();
     const int count = static_cast<int>(std::min<std::size_t>(points.keys().size(), 1000));
-    law.parameters = read_parameters(points, default_parameters(*row, count));
+    law.parameters = read_parameters(points, default_parameters(*row, count, domain));
   } else if (node.has("parameters")) {
-    law.parameters = read_parameters(node["parameters"], default_parameters(*row));
+    law.parameters = read_parameters(node["parameters"], default_parameters(*row, 0, domain));
   } else {
-    law.parameters = default_parameters(*row);
+    law.parameters = default_parameters(*row, 0, domain);
   }
   return law;
 }
@@ -178,9 +186,10 @@ Term read_term(const Node& node) {
   term.id = node["id"].text();
   term.effect = node.text_or("effect", "");
   const Node strain = node["strain"];
-  strain.expect_object({"name", "angle_rad"});
+  strain.expect_object({"name", "angle_rad", "elevation_rad"});
   term.strain.name = strain["name"].text();
-  if (find_strain(term.strain.name) == nullptr) {
+  const StrainRow* row = find_strain(term.strain.name);
+  if (row == nullptr) {
     std::string known;
     for (const StrainRow& r : strain_catalogue())
       known += (known.empty() ? "" : ", ") + std::string(r.name);
@@ -188,12 +197,35 @@ Term read_term(const Node& node) {
                           "'; the measures are " + known);
   }
   if (strain.has("angle_rad")) term.strain.angle_rad = strain["angle_rad"].number();
-  term.law = read_law(node["law"]);
+  if (strain.has("elevation_rad")) term.strain.elevation_rad = strain["elevation_rad"].number();
+  term.law = read_law(node["law"], row->domain);
   if (node.has("support")) {
-    node["support"].expect_object({"name"});
-    term.support.name = node["support"]["name"].text();
+    const Node support = node["support"];
+    support.expect_object({"name", "field", "sample"});
+    term.support.name = support["name"].text();
+    term.support.field = support.text_or("field", "");
+    if (support.has("sample")) term.support.sample = support["sample"].index();
   }
   return term;
+}
+
+Field read_field(const Node& node) {
+  node.expect_object({"id", "positions_m", "width_m"});
+  Field field;
+  field.id = node["id"].text();
+  field.width_m = node["width_m"].number();
+  const std::vector<Node> positions = node["positions_m"].list();
+  if (positions.empty()) node["positions_m"].refuse("a field needs at least one sample");
+  field.dimensions = static_cast<int>(positions.front().list().size());
+  if (field.dimensions != 2 && field.dimensions != 3)
+    positions.front().refuse("a position has 2 numbers on cloth, 3 in a solid");
+  for (const Node& position : positions) {
+    const std::vector<Node> numbers = position.list();
+    if (static_cast<int>(numbers.size()) != field.dimensions)
+      position.refuse("must have as many numbers as the first position");
+    for (const Node& number : numbers) field.positions_m.push_back(number.number());
+  }
+  return field;
 }
 
 SensorCorrection read_correction(const Node& node) {
@@ -219,12 +251,14 @@ Model read_model(const Node& root) {
     root["schema"].refuse("must be 'tenter.model', not '" + root["schema"].text() + "'");
   if (root["version"].number() != 1)
     root["version"].refuse("this program reads version 1 of the model document");
-  root.expect_object({"schema", "version", "name", "description", "terms", "corrections",
+  root.expect_object({"schema", "version", "name", "description", "terms", "fields", "corrections",
                       "strain_ranges", "lineage"});
   Model model;
   model.name = root["name"].text();
   model.description = root.text_or("description", "");
   for (const Node& term : root["terms"].list()) model.terms.push_back(read_term(term));
+  if (root.has("fields"))
+    for (const Node& field : root["fields"].list()) model.fields.push_back(read_field(field));
   if (root.has("corrections"))
     for (const Node& correction : root["corrections"].list())
       model.corrections.push_back(read_correction(correction));

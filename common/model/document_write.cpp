@@ -36,6 +36,8 @@ Json write_term(const Term& term) {
 
   Json strain = {{"name", term.strain.name}};
   if (strain_row != nullptr && strain_row->has_angle) strain["angle_rad"] = term.strain.angle_rad;
+  if (strain_row != nullptr && strain_row->has_angle && strain_row->domain == Domain::solid)
+    strain["elevation_rad"] = term.strain.elevation_rad;
 
   Json law = {{"name", term.law.name}};
   if (law_row != nullptr && law_row->spline) law["range"] = {term.law.range_lo, term.law.range_hi};
@@ -46,7 +48,20 @@ Json write_term(const Term& term) {
   object["strain"] = std::move(strain);
   object["law"] = std::move(law);
   object["support"] = {{"name", term.support.name}};
+  if (!term.support.field.empty()) {
+    object["support"]["field"] = term.support.field;
+    object["support"]["sample"] = term.support.sample;
+  }
   return object;
+}
+
+Json write_field(const Field& field) {
+  Json positions = Json::array();
+  for (int k = 0; k < field.sample_count(); ++k) {
+    const auto first = field.positions_m.begin() + k * field.dimensions;
+    positions.push_back(std::vector<double>(first, first + field.dimensions));
+  }
+  return {{"id", field.id}, {"positions_m", std::move(positions)}, {"width_m", field.width_m}};
 }
 
 Json write_correction(const SensorCorrection& correction) {
@@ -68,6 +83,10 @@ std::string write_model(const Model& model) {
                {"description", model.description}};
   root["terms"] = Json::array();
   for (const Term& term : model.terms) root["terms"].push_back(write_term(term));
+  if (!model.fields.empty()) {
+    root["fields"] = Json::array();
+    for (const Field& field : model.fields) root["fields"].push_back(write_field(field));
+  }
   if (!model.corrections.empty()) {
     root["corrections"] = Json::array();
     for (const SensorCorrection& correction : model.corrections)

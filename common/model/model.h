@@ -26,10 +26,11 @@ struct Parameter {
   std::optional<double> interval_hi;
 };
 
-/// Maps the deformation to one or two scalar strains.
+/// Maps the deformation to one to three scalar strains.
 struct StrainMeasure {
   std::string name;        ///< row of the strain catalogue, e.g. "green_u"
-  double angle_rad = 0.0;  ///< fibre measures: from weft towards warp
+  double angle_rad = 0.0;  ///< fibre measures: from weft towards warp; of solids from x towards y
+  double elevation_rad = 0.0;  ///< fibre measures of solids: from the x-y plane towards z
 };
 
 /// Maps strain (and history) to stress.
@@ -41,8 +42,20 @@ struct Law {
       parameters;  ///< in the catalogue's order; splines have one per control point
 };
 
+/// Where in the material a term acts: a weight between 0 and 1 on its energy density.
 struct Support {
-  std::string name = "everywhere";
+  std::string name = "everywhere";  ///< or "rbf": around one sample of a field (thesis 4.2.4)
+  std::string field;                ///< rbf: id of the model's field
+  int sample = 0;                   ///< rbf: which of the field's samples, counted from 1
+};
+
+/// Samples of the material over which terms are interpolated by normalised Gaussians (thesis 4.4).
+struct Field {
+  std::string id;
+  int dimensions = 2;               ///< of the rest shape: 2 for cloth (u, v), 3 for solids
+  std::vector<double> positions_m;  ///< `dimensions` numbers for each sample
+  double width_m = 0.0;             ///< standard deviation of the Gaussians
+  int sample_count() const { return static_cast<int>(positions_m.size()) / dimensions; }
 };
 
 struct Term {
@@ -80,6 +93,7 @@ struct Model {
   std::string name;
   std::string description;
   std::vector<Term> terms;
+  std::vector<Field> fields;  ///< what supports refer to
   std::vector<SensorCorrection> corrections;
   std::vector<StrainRange> strain_ranges;
   std::optional<Lineage> lineage;

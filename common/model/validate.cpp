@@ -116,18 +116,55 @@ Expected<void> check_law(const Law& law, const StrainRow& strain, const std::str
       return bad_input(path + ".parameters: has " + std::to_string(count) +
                        " control points, must have " + std::to_string(row->min_points) + " to " +
                        std::to_string(kMaxControlPoints));
+    const int side = static_cast<int>(std::lround(std::sqrt(count)));
+    if (row->grid && side * side != count)
+      return bad_input(path + ".parameters: has " + std::to_string(count) + " control points, " +
+                       law.name + " needs a square number");
   } else if (law.range_lo != 0.0 || law.range_hi != 0.0) {
     return bad_input(path + ".range: only spline laws have a range, " + law.name + " has none");
   }
   return check_parameters(
-      law.parameters, default_parameters(*row, count),
-      [row](std::size_t i) -> const ParameterRow& {
-        return row->spline ? row->parameters.front() : row->parameters[i];
+      law.parameters, default_parameters(*row, count, strain.domain),
+      [row, &strain](std::size_t i) {
+        return in_domain(row->spline ? row->parameters.front() : row->parameters[i], strain.domain);
       },
       path + ".parameters");
 }
 
-Expected<void> check_term(const Term& term, const std::string& path) {
+Expected<void> check_support(const Support& support, const Model& model, const std::string& path) {
+  if (support.name == "everywhere") {
+    if (!support.field.empty() || support.sample != 0)
+      return bad_input(path + ": 'everywhere' has no field and no sample");
+    return {};
+  }
+  if (support.name != "rbf")
+    return bad_input(path + ".name: there is no support '" + support.name +
+                     "'; the supports are 'everywhere' and 'rbf'");
+  for (const Field& field : model.fields) {
+    if (field.id != support.field) continue;
+    if (support.sample < 1 || support.sample > field.sample_count())
+      return bad_input(path + ".sample: is " + std::to_string(support.sample) + ", but field '" +
+                       field.id + "' has samples 1 to " + std::to_string(field.sample_count()));
+    return {};
+  }
+  return bad_input(path + ".field: there is no field '" + support.field + "'");
+}
+
+Expected<void> check_field(const Field& field, const std::string& path) {
+  if (!is_identifier(field.id)) return bad_input(path + ".id: " + kIdentifierRule);
+  if (field.dimensions != 2 && field.dimensions != 3)
+    return bad_input(path + ".positions_m: a position has 2 numbers on cloth, 3 in a solid");
+  if (field.positions_m.empty() ||
+      field.positions_m.size() % static_cast<std::size_t>(field.dimensions) != 0)
+    return bad_input(path + ".positions_m: a field needs whole positions, and at least one");
+  for (const double x : field.positions_m)
+    if (!std::isfinite(x)) return bad_input(path + ".positions_m: must be finite numbers");
+  if (!std::isfinite(field.width_m) || !(field.width_m > 0.0))
+    return bad_input(path + ".width_m: must be a finite number above 0");
+  return {};
+}
+
+Expected<void> check_term(const Term& term, const Model& model, const std::string& path) {
   if (!is_identifier(term.id)) return bad_input(path + ".id: " + kIdentifierRule);
   if (!term.effect.empty() && !is_identifier(term.effect))
     return bad_input(path + ".effect: " + kIdentifierRule);
@@ -138,9 +175,12 @@ Expected<void> check_term(const Term& term, const std::string& path) {
     return bad_input(path + ".strain.angle_rad: must be a finite number");
   if (!strain->has_angle && term.strain.angle_rad != 0.0)
     return bad_input(path + ".strain.angle_rad: " + term.strain.name + " has no angle");
-  if (term.support.name != "everywhere")
-    return bad_input(path + ".support.name: there is no support '" + term.support.name +
-                     "', only 'everywhere'");
+  if (!std::isfinite(term.strain.elevation_rad))
+    return bad_input(path + ".strain.elevation_rad: must be a finite number");
+  if (!(strain->has_angle && strain->domain == Domain::solid) && term.strain.elevation_rad != 0.0)
+    return bad_input(path + ".strain.elevation_rad: " + term.strain.name + " has no elevation");
+  if (auto checked = check_support(term.support, model, path + ".support"); !checked)
+    return checked;
   return check_law(term.law, *strain, path + ".law");
 }
 
@@ -171,9 +211,15 @@ Expected<void> validate(const Model& model) {
   if (model.terms.empty()) return bad_input("terms: a model needs at least one term");
 
   std::set<std::string> ids;
+  for (std::size_t i = 0; i < model.fields.size(); ++i) {
+    const std::string path = at("fields", i);
+    if (auto checked = check_field(model.fields[i], path); !checked) return checked;
+    if (!ids.insert(model.fields[i].id).second)
+      return bad_input(path + ".id: '" + model.fields[i].id + "' is used twice");
+  }
   for (std::size_t i = 0; i < model.terms.size(); ++i) {
     const std::string path = at("terms", i);
-    if (auto checked = check_term(model.terms[i], path); !checked) return checked;
+    if (auto checked = check_term(model.terms[i], model, path); !checked) return checked;
     if (!ids.insert(model.terms[i].id).second)
       return bad_input(path + ".id: '" + model.terms[i].id + "' is used twice");
   }

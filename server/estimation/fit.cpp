@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/model/catalogue.h"
+
 namespace tenter::estimation {
 namespace {
 
@@ -294,9 +296,9 @@ std::pair<double, double> strain_range(const model::StrainMeasure& description,
 
 void adapt_spline_ranges(model::Model& model, const std::vector<Curves>& curves) {
   for (model::Term& term : model.terms) {
-    const bool is_spline = term.law.name == "hermite_stiffness" ||
-                           term.law.name == "bspline_stiffness" || term.law.name == "convex_spline";
-    if (!is_spline || term.law.range_hi > term.law.range_lo) continue;
+    const model::LawRow* row = model::find_law(term.law.name);
+    if (row == nullptr || !row->spline || term.law.range_hi > term.law.range_lo) continue;
+    if (!mechanics::StrainMeasure::make(term.strain)) continue;  // curves do not reach it
     std::tie(term.law.range_lo, term.law.range_hi) = strain_range(term.strain, curves);
     if (!(term.law.range_hi > term.law.range_lo)) term.law.range_hi = term.law.range_lo + 1e-3;
   }

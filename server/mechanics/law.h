@@ -24,11 +24,11 @@
 
 namespace tenter::mechanics {
 
-constexpr int kMaxLawParameters = 16;
-constexpr int kMaxLawState = 4;
+constexpr int kMaxLawParameters = 36;  ///< a grid of 6 x 6 energies
+constexpr int kMaxLawState = 2 * kMaxStrains;
 
 struct LawInput {
-  const double* strain = nullptr;      ///< one or two strains, as the law takes
+  const double* strain = nullptr;      ///< as many as the law takes
   const double* parameters = nullptr;  ///< in the catalogue's order
   const double* state = nullptr;       ///< at the start of the step
   double duration_s = 0.0;             ///< of the step; 0 on the first frame of a run
@@ -47,6 +47,18 @@ struct LawOutput {
   double state_by_state[kMaxLawState][kMaxLawState];
 };
 
+/// Many strains of one law at once, as structure of arrays: entry e of every array belongs to
+/// element e. All that is asked for is overwritten. Path-dependent laws answer as never strained
+/// before, in a step without duration.
+struct LawBatch {
+  int count = 0;
+  const double* strain[kMaxStrains] = {};
+  double* energy = nullptr;  ///< null where not wanted
+  double* stress[kMaxStrains] = {};
+  /// The upper triangle, [i][j] with i <= j; null at [0][0]: no tangent is wanted.
+  double* tangent[kMaxStrains][kMaxStrains] = {};
+};
+
 /// What happens to a state variable when a run begins on a specimen that was pulled before.
 enum class StateKind {
   transient,    ///< forgotten when the specimen was unloaded out of sight: back to zero
@@ -61,8 +73,13 @@ class Law {
   int parameter_count() const { return parameter_count_; }
   int state_count() const { return state_count_; }
   virtual StateKind state_kind(int) const { return StateKind::memory; }
-  /// `out` must have been zeroed; the law writes what differs from zero.
+  /// Zeroes the part of `out` that belongs to this law's strains, parameters and states.
+  void clear(LawOutput& out) const;
+  /// `out` must have been cleared or zeroed; the law writes what differs from zero.
   virtual void evaluate(const LawInput& in, LawOutput& out) const = 0;
+  /// The same answers to rounding, for many strains with the same parameters. By default a loop
+  /// over evaluate(); laws on the path of mesh assembly have their own.
+  virtual void evaluate_batch(const double* parameters, const LawBatch& batch) const;
 
  protected:
   Law(int strains, int parameters, int states)

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/model/catalogue.h"
+
 namespace tenter::mechanics {
 namespace {
 
@@ -17,10 +19,23 @@ using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
 Expected<MaterialPoint> MaterialPoint::make(const model::Model& model) {
   MaterialPoint point;
   for (const model::Term& description : model.terms) {
+    const std::string name = "term \"" + description.id + "\": ";
+    const model::StrainRow* row = model::find_strain(description.strain.name);
+    if (row != nullptr && row->domain == model::Domain::solid)
+      return bad_input(name + "\"" + description.strain.name +
+                       "\" is a strain of solids; a material point is a piece of membrane");
+    if (description.support.name != "everywhere")
+      return bad_input(name +
+                       "acts around one place of the material only; a material point stands "
+                       "for all of it");
+    if (row != nullptr && !row->at_point) {
+      point.parameter_count_ += static_cast<int>(description.law.parameters.size());
+      continue;
+    }
     Expected<StrainMeasure> measure = StrainMeasure::make(description.strain);
-    if (!measure) return bad_input("term \"" + description.id + "\": " + measure.error().message);
+    if (!measure) return bad_input(name + measure.error().message);
     auto law = make_law(description.law, measure->count());
-    if (!law) return bad_input("term \"" + description.id + "\": " + law.error().message);
+    if (!law) return bad_input(name + law.error().message);
     Term term;
     term.measure = *measure;
     term.law = *law;
@@ -59,7 +74,7 @@ MaterialPoint::Balance MaterialPoint::evaluate(const HomogeneousStrain& kinemati
     StrainValue& strain = scratch.strains[t];
     term.measure.evaluate(c, strain);
     LawOutput& law = scratch.laws[t];
-    law = LawOutput{};
+    term.law->clear(law);
     LawInput in;
     in.strain = strain.value;
     in.parameters = parameters.data() + term.first_parameter;
@@ -80,6 +95,11 @@ MaterialPoint::Balance MaterialPoint::evaluate(const HomogeneousStrain& kinemati
       balance.tangent += law.stress[i] * curvature;
       for (int j = 0; j < count; ++j)
         balance.tangent += law.tangent[i][j] * by_q.row(i).transpose() * by_q.row(j);
+    }
+    if (strain.near_count > 0) {
+      Eigen::Matrix3d by_cc = Eigen::Matrix3d::Zero();
+      add_near_pairs(strain.near, strain.near_count, strain.value, law.stress, law.tangent, by_cc);
+      balance.tangent += c_by_q.transpose() * by_cc * c_by_q;
     }
   }
   return balance;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/mechanics/strain_measure.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -22,8 +23,9 @@ void linear_in_c(const Vector3d& c, const Vector3d& weights, double constant, in
 /// A stretch minus one: lambda = sqrt(s), s = weights . c, so
 ///   d lambda/dc = weights / (2 lambda),   d2 lambda/dc2 = -weights weights' / (4 lambda^3).
 void stretch_minus_one(const Vector3d& c, const Vector3d& weights, int i, StrainValue& out) {
-  const double lambda = std::sqrt(weights.dot(c));
-  out.value[i] = lambda - 1.0;
+  const double length = std::sqrt(std::max(weights.dot(c), 0.0));
+  const double lambda = std::max(length, kCollapsedStretch);
+  out.value[i] = length - 1.0;
   out.by_c[i] = weights / (2.0 * lambda);
   out.by_cc[i] = -(weights * weights.transpose()) / (4.0 * lambda * lambda * lambda);
 }
@@ -95,43 +97,58 @@ void green_fibre_pair(const Vector3d& c, double angle_rad, StrainValue& out) {
 /// J = sqrt(D), D = C_uu C_vv - C_uv^2: dJ/dc = D_c/(2J), d2J/dc2 = D_cc/(2J) - D_c D_c'/(4 J^3).
 void area(const Vector3d& c, double, StrainValue& out) {
   const double determinant = c[0] * c[1] - c[2] * c[2];
-  const double j = std::sqrt(determinant);
+  const double root = std::sqrt(std::max(determinant, 0.0));
+  const double j = std::max(root, kCollapsedStretch);
   const Vector3d by_c(c[1], c[0], -2.0 * c[2]);
   Matrix3d by_cc = Matrix3d::Zero();
   by_cc(0, 1) = by_cc(1, 0) = 1.0;
   by_cc(2, 2) = -2.0;
-  out.value[0] = j - 1.0;
+  out.value[0] = root - 1.0;
   out.by_c[0] = by_c / (2.0 * j);
   out.by_cc[0] = by_cc / (2.0 * j) - by_c * by_c.transpose() / (4.0 * j * j * j);
+}
+
+// tr E^2 = E_uu^2 + E_vv^2 + 2 E_uv^2 with 2 E_uv = C_uv
+void green_square(const Vector3d& c, double, StrainValue& out) {
+  const Vector3d e(0.5 * (c[0] - 1.0), 0.5 * (c[1] - 1.0), c[2]);
+  out.value[0] = e[0] * e[0] + e[1] * e[1] + 0.5 * e[2] * e[2];
+  out.by_c[0] = e;
+  out.by_cc[0] = Vector3d(0.5, 0.5, 1.0).asDiagonal();
+}
+
+void principal(const Vector3d& c, double, StrainValue& out) {
+  out.near_count = principal_stretches<2>(c, out.value, out.by_c, out.by_cc, out.near);
 }
 
 struct Row {
   std::string_view name;
   int count;
+  bool is_linear;
   StrainMeasure::Function function;
 };
 
 constexpr Row kRows[] = {
-    {"green_u", 1, green_u},
-    {"green_v", 1, green_v},
-    {"green_uv", 1, green_uv},
-    {"green_trace", 1, green_trace},
-    {"green_pair", 2, green_pair},
-    {"green_deviator", 2, green_deviator},
-    {"soft_u", 1, stretch_u},
-    {"soft_v", 1, stretch_v},
-    {"spring_u", 1, stretch_u},
-    {"spring_v", 1, stretch_v},
-    {"spring_d1", 1, spring_d1},
-    {"spring_d2", 1, spring_d2},
-    {"fibre", 1, fibre},
-    {"fibre_pair", 2, fibre_pair},
-    {"green_fibre", 1, green_fibre},
-    {"green_fibre_pair", 2, green_fibre_pair},
-    {"soft_pair", 2, soft_pair},
-    {"area", 1, area},
-    {"green_pair_vu", 2, green_pair_vu},
-    {"green_pair_vu", 2, green_pair_vu},
+    {"green_u", 1, true, green_u},
+    {"green_v", 1, true, green_v},
+    {"green_uv", 1, true, green_uv},
+    {"green_trace", 1, true, green_trace},
+    {"green_pair", 2, true, green_pair},
+    {"green_deviator", 2, true, green_deviator},
+    {"soft_u", 1, false, stretch_u},
+    {"soft_v", 1, false, stretch_v},
+    {"spring_u", 1, false, stretch_u},
+    {"spring_v", 1, false, stretch_v},
+    {"spring_d1", 1, false, spring_d1},
+    {"spring_d2", 1, false, spring_d2},
+    {"fibre", 1, false, fibre},
+    {"fibre_pair", 2, false, fibre_pair},
+    {"green_fibre", 1, true, green_fibre},
+    {"green_fibre_pair", 2, true, green_fibre_pair},
+    {"soft_pair", 2, false, soft_pair},
+    {"area", 1, false, area},
+    {"green_pair_vu", 2, true, green_pair_vu},
+    {"green_square", 1, false, green_square},
+    {"principal_stretches", 2, false, principal},
 };
 
 }  // namespace
@@ -142,6 +159,7 @@ Expected<StrainMeasure> StrainMeasure::make(const model::StrainMeasure& descript
     StrainMeasure measure;
     measure.function_ = row.function;
     measure.count_ = row.count;
+    measure.is_linear_ = row.is_linear;
     measure.angle_rad_ = description.angle_rad;
     return measure;
   }

@@ -32,6 +32,7 @@ Json catalogue_json() {
     catalogue["strains"].push_back({{"name", row.name},
                                     {"strains", row.strains},
                                     {"has_angle", row.has_angle},
+                                    {"domain", model::words_of(row.domain)},
                                     {"words", row.words}});
   for (const model::LawRow& row : model::law_catalogue())
     catalogue["laws"].push_back({{"name", row.name},
@@ -57,15 +58,21 @@ std::string parameter_words(const std::vector<model::ParameterRow>& rows) {
   return text;
 }
 
+std::string spline_words(const model::LawRow& row) {
+  const std::string name(row.parameters.front().name);
+  return name + "1, " + name + "2, ... [" + std::string(row.parameters.front().unit) + "]";
+}
+
 std::string catalogue_text() {
   std::string out;
-  Table strains({"strain measure", "strains", "meaning"});
+  Table strains({"strain measure", "strains", "lives on", "meaning"});
   for (const model::StrainRow& row : model::strain_catalogue())
-    strains.add({std::string(row.name), std::to_string(row.strains), std::string(row.words)});
+    strains.add({std::string(row.name), std::to_string(row.strains),
+                 std::string(model::words_of(row.domain)), std::string(row.words)});
   Table laws({"law", "parameters", "meaning"});
   for (const model::LawRow& row : model::law_catalogue())
     laws.add({std::string(row.name),
-              row.spline ? "k1, k2, ... [N/m]" : parameter_words(row.parameters),
+              row.spline ? spline_words(row) : parameter_words(row.parameters),
               std::string(row.words)});
   Table corrections({"sensor correction", "parameters", "meaning"});
   for (const model::CorrectionRow& row : model::correction_catalogue())

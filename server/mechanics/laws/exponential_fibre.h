@@ -11,6 +11,7 @@ class ExponentialFibreLaw final : public Law {
  public:
   ExponentialFibreLaw() : Law(1, 2, 0) {}
   void evaluate(const LawInput& in, LawOutput& out) const override;
+  void evaluate_batch(const double* parameters, const LawBatch& batch) const override;
 };
 
 }  // namespace tenter::mechanics

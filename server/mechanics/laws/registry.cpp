@@ -8,8 +8,11 @@
 #include "server/mechanics/law.h"
 #include "server/mechanics/laws/dahl.h"
 #include "server/mechanics/laws/exponential_fibre.h"
+#include "server/mechanics/laws/gaussian_energy.h"
+#include "server/mechanics/laws/hermite_energy.h"
 #include "server/mechanics/laws/linear.h"
 #include "server/mechanics/laws/memory.h"
+#include "server/mechanics/laws/ogden.h"
 #include "server/mechanics/laws/spline.h"
 #include "server/mechanics/laws/viscosity.h"
 
@@ -24,6 +27,23 @@ LawPointer make_spline(const model::Law& d, int strains) {
   if (points < 1 || points > kMaxLawParameters) return nullptr;
   if (points > 1 && !(d.range_hi > d.range_lo)) return nullptr;
   return std::make_shared<SplineLaw>(kForm, strains, points, d.range_lo, d.range_hi);
+}
+
+LawPointer make_hermite_energy(const model::Law& d, int strains) {
+  const int points = static_cast<int>(d.parameters.size());
+  if (strains != 1 || points < 2 || points > kMaxLawParameters || !(d.range_hi > d.range_lo))
+    return nullptr;
+  return std::make_shared<HermiteEnergyLaw>(points, d.range_lo, d.range_hi);
+}
+
+template <int kStrains>
+LawPointer make_gaussian_energy(const model::Law& d, int strains) {
+  const int points = static_cast<int>(d.parameters.size());
+  const int side =
+      kStrains == 1 ? points : static_cast<int>(std::lround(std::sqrt(d.parameters.size())));
+  if (strains != kStrains || side < 2 || points > kMaxLawParameters || !(d.range_hi > d.range_lo))
+    return nullptr;
+  return std::make_shared<GaussianEnergyLaw>(strains, side, d.range_lo, d.range_hi);
 }
 
 /// Laws of one strain only.
@@ -57,6 +77,11 @@ constexpr Row kRows[] = {
     {"hermite_stiffness", make_spline<SplineLaw::Form::hermite_stiffness>},
     {"bspline_stiffness", make_spline<SplineLaw::Form::bspline_stiffness>},
     {"convex_spline", make_spline<SplineLaw::Form::convex>},
+    {"constant_stress", make_single<ConstantStressLaw>},
+    {"ogden", make_each<OgdenLaw>},
+    {"hermite_energy", make_hermite_energy},
+    {"gaussian_energy", make_gaussian_energy<1>},
+    {"gaussian_energy_2", make_gaussian_energy<2>},
     {"exponential_fibre", make_single<ExponentialFibreLaw>},
     {"dahl", make_each<DahlLaw>},
     {"maxwell", make_each<MaxwellLaw>},

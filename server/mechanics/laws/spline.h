@@ -2,11 +2,10 @@
 // Spline laws, the same curve on each strain of the measure; all are linear in their parameters.
 //
 //   hermite_stiffness  sigma = k(eps) eps, k a cubic Hermite spline through n control points
-//   (thesis 3.3.2), the energy
-//                      its closed-form integral; one point is the linear law
-//   bspline_stiffness  the same with a clamped cubic B-spline, which stays non-negative when its
-//   coefficients are convex_spline      sigma = integral of E from 0, E(eps) = sum e_j B_j(eps) >=
-//   0: the energy is convex in the strain
+//                      (thesis 3.3.2), the energy its closed-form integral; one point: linear
+//   bspline_stiffness  the same with a clamped cubic B-spline: k >= 0 where its coefficients are
+//   convex_spline      sigma = integral of E from 0, E(eps) = sum e_j B_j(eps) >= 0: the energy
+//                      is convex in the strain
 //
 // Control points are even over [range_lo, range_hi]; outside, the end value of k (of E) continues.
 #pragma once
@@ -21,6 +20,7 @@ class SplineLaw final : public Law {
   /// range_lo < range_hi unless points == 1.
   SplineLaw(Form form, int strains, int points, double range_lo, double range_hi);
   void evaluate(const LawInput& in, LawOutput& out) const override;
+  void evaluate_batch(const double* parameters, const LawBatch& batch) const override;
 
  private:
   /// One basis function on one interval: value = sum_k c[k] t^k, t in [0, 1]; and the integrals of
@@ -40,6 +40,15 @@ class SplineLaw final : public Law {
   Piece& piece(int basis, int interval) {
     return pieces_[static_cast<std::size_t>(basis * intervals_ + interval)];
   }
+  /// The sum of the basis functions, weighted by the parameters, on one interval: k (or E), the
+  /// stress of the convex form and the energy, as polynomials of t.
+  struct Curve {
+    double value[4];
+    double stress[5];
+    double energy[6];
+  };
+  /// One for each interval, and before the first and after the last the constant continuation.
+  void build_curves(const double* parameters, Curve* curves) const;
   void build_hermite();
   void build_bspline();
   void build_moments();

@@ -49,6 +49,33 @@ TEST(Catalogue, DefaultsLieWithinTheirBounds) {
     for (const ParameterRow& row : correction.parameters) check(row);
 }
 
+TEST(Catalogue, EveryParameterHasAUnitInEveryDomain) {
+  for (const LawRow& law : law_catalogue())
+    for (const ParameterRow& row : law.parameters)
+      for (const Domain domain : {Domain::membrane, Domain::edge, Domain::hinge, Domain::solid}) {
+        const ParameterRow there = in_domain(row, domain);
+        EXPECT_FALSE(there.unit.empty())
+            << law.name << "." << row.name << " in " << words_of(domain);
+        EXPECT_EQ(there.lower.has_value(), row.lower.has_value());
+        if (domain == Domain::membrane || domain == Domain::edge) {
+          EXPECT_EQ(there.unit, row.unit);
+          EXPECT_EQ(there.value, row.value);
+        }
+      }
+}
+
+TEST(Catalogue, OnlyMeasuresOfMembranesAndSpringsAnswerAMaterialPoint) {
+  for (const StrainRow& row : strain_catalogue()) {
+    if (row.domain == Domain::hinge || row.domain == Domain::solid) {
+      EXPECT_FALSE(row.at_point) << row.name;
+    }
+    if (row.domain == Domain::membrane) {
+      EXPECT_TRUE(row.at_point) << row.name;
+    }
+    EXPECT_EQ(row.domain == Domain::solid, row.name.substr(0, 6) == "solid_") << row.name;
+  }
+}
+
 TEST(Catalogue, SplineParametersAreNumberedFromOne) {
   const std::vector<Parameter> points = default_parameters(*find_law("hermite_stiffness"), 3);
   ASSERT_EQ(points.size(), 3u);
@@ -62,6 +89,7 @@ TEST(Catalogue, SplineRangeNotChosenYetHasADefault) {
   Law law;
   law.name = "hermite_stiffness";
   EXPECT_EQ(spline_range(law), std::make_pair(0.0, 0.5));
+  EXPECT_EQ(spline_range(law, Domain::hinge), std::make_pair(-300.0, 300.0));
   law.range_lo = -0.1;
   law.range_hi = 1.2;
   EXPECT_EQ(spline_range(law), std::make_pair(-0.1, 1.2));

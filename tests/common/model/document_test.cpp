@@ -80,6 +80,75 @@ TEST(ModelDocument, RoundTripKeepsEveryNumberToTheLastBit) {
   EXPECT_EQ(write_model(*again), text);
 }
 
+TEST(ModelDocument, UnitsAndDefaultsAreThoseOfTheTermsDomain) {
+  const auto first_of = [](const std::string& law, const std::string& strain) {
+    const Expected<Model> model = parse_model(with_law(law, strain), "FILE");
+    EXPECT_TRUE(model) << model.error().message;
+    return model->terms[0].law.parameters;
+  };
+  const auto bend = first_of(R"({"name": "linear"})", R"({"name": "bend_u"})");
+  EXPECT_EQ(bend[0].unit, "N m");
+  EXPECT_NEAR(bend[0].value, 1e-5, 1e-18);
+  const auto rub = first_of(R"({"name": "dahl"})", R"({"name": "bend_u"})");
+  EXPECT_EQ(rub[0].unit, "N");
+  EXPECT_EQ(rub[1].unit, "N m");
+  EXPECT_EQ(rub[2].unit, "N m^2");
+  EXPECT_EQ(rub[3].unit, "1/m");
+  const auto flow = first_of(R"({"name": "kelvin_voigt"})", R"({"name": "bend_d"})");
+  EXPECT_EQ(flow[0].unit, "N s m");
+  const auto flesh = first_of(
+      R"({"name": "exponential_fibre", "parameters": {"k": {"value": 3, "unit": "N/m^2"}}})",
+      R"({"name": "solid_fibre", "angle_rad": 0.2, "elevation_rad": 0.3})");
+  EXPECT_EQ(flesh[0].unit, "N/m^2");
+  EXPECT_EQ(flesh[1].unit, "1");
+  const auto ring = first_of(R"({"name": "linear"})", R"({"name": "ring2_u"})");
+  EXPECT_EQ(ring[0].unit, "N/m");
+}
+
+TEST(ModelDocument, FieldsAndTheirTermsAreReadAndWritten) {
+  const std::string text = R"({"schema": "tenter.model", "version": 1, "name": "m",
+    "fields": [{"id": "cloth", "positions_m": [[0, 0], [0.1, 0.05]], "width_m": 0.03}],
+    "terms": [{"id": "a", "strain": {"name": "green_u"}, "law": {"name": "linear"},
+               "support": {"name": "rbf", "field": "cloth", "sample": 2}},
+              {"id": "b", "strain": {"name": "solid_fibre", "elevation_rad": 0.7},
+               "law": {"name": "linear"}}]})";
+  const Expected<Model> model = parse_model(text, "FILE");
+  ASSERT_TRUE(model) << model.error().message;
+  ASSERT_EQ(model->fields.size(), 1u);
+  EXPECT_EQ(model->fields[0].dimensions, 2);
+  EXPECT_EQ(model->fields[0].sample_count(), 2);
+  EXPECT_EQ(model->fields[0].positions_m, (std::vector<double>{0.0, 0.0, 0.1, 0.05}));
+  EXPECT_EQ(model->terms[0].support.name, "rbf");
+  EXPECT_EQ(model->terms[0].support.field, "cloth");
+  EXPECT_EQ(model->terms[0].support.sample, 2);
+  EXPECT_EQ(model->terms[1].strain.elevation_rad, 0.7);
+  const std::string written = write_model(*model);
+  const Expected<Model> again = parse_model(written, "FILE");
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->fields[0].positions_m, model->fields[0].positions_m);
+  EXPECT_EQ(again->terms[1].strain.elevation_rad, 0.7);
+  EXPECT_EQ(write_model(*again), written);
+
+  const auto changed = [&text](const std::string& from, const std::string& to) {
+    std::string other = text;
+    other.replace(other.find(from), from.size(), to);
+    return error_of(other);
+  };
+  EXPECT_EQ(changed(R"("sample": 2)", R"("sample": 3)"),
+            "FILE: terms[0].support.sample: is 3, but field 'cloth' has samples 1 to 2");
+  EXPECT_EQ(changed(R"("sample": 2)", R"("sample": 1.5)"),
+            "FILE: terms[0].support.sample: must be a whole number from 1 on");
+  EXPECT_EQ(changed(R"("field": "cloth")", R"("field": "silk")"),
+            "FILE: terms[0].support.field: there is no field 'silk'");
+  EXPECT_EQ(changed(R"("name": "rbf")", R"("name": "everywhere")"),
+            "FILE: terms[0].support: 'everywhere' has no field and no sample");
+  EXPECT_EQ(changed(R"([0.1, 0.05])", R"([0.1, 0.05, 1])"),
+            "FILE: fields[0].positions_m[1]: must have as many numbers as the first position");
+  EXPECT_EQ(changed("0.03", "0"), "FILE: fields[0].width_m: must be a finite number above 0");
+  EXPECT_EQ(changed(R"("id": "a")", R"("id": "cloth")"),
+            "FILE: terms[0].id: 'cloth' is used twice");
+}
+
 TEST(ModelDocument, ErrorsNameThePathOfTheKey) {
   const struct {
     std::string text;
@@ -114,6 +183,15 @@ TEST(ModelDocument, ErrorsNameThePathOfTheKey) {
        "FILE: terms[0].law.parameters: has 1 control points, must have 4 to 64"},
       {with_law(R"({"name": "hermite_stiffness", "parameters": {"k1": 1, "k3": 1}})"),
        "FILE: terms[0].law.parameters.k3: there is no such parameter"},
+      {with_law(R"({"name": "linear", "parameters": {"k": {"value": 1, "unit": "N/m"}}})",
+                R"({"name": "bend_v"})"),
+       "FILE: terms[0].law.parameters.k.unit: is 'N/m', must be 'N m'"},
+      {with_law(R"({"name": "linear"})", R"({"name": "fibre", "elevation_rad": 1})"),
+       "FILE: terms[0].strain.elevation_rad: fibre has no elevation"},
+      {with_law(R"({"name": "gaussian_energy_2", "range": [0, 1],
+                    "parameters": {"w1": 0, "w2": 0, "w3": 0, "w4": 0, "w5": 0}})",
+                R"({"name": "green_pair"})"),
+       "FILE: terms[0].law.parameters: has 5 control points, gaussian_energy_2 needs a square"},
       {R"({"schema": "tenter.model", "version": 1, "name": "m", "terms": []})",
        "FILE: terms: a model needs at least one term"},
       {R"({"schema": "tenter.model", "version": 1, "name": "m"})",

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "common/model/catalogue.h"
+#include "common/model/presets.h"
 #include "tests/server/estimation/fixtures.h"
 
 namespace tenter::estimation {
@@ -67,6 +68,30 @@ TEST(Fit, IntervalsHoldTheTruthAsOftenAsTheySay) {
   // and are no wider than honesty asks: residuals of white noise count nearly one by one
   EXPECT_GT(stated / spread, 0.7);
   EXPECT_LT(stated / spread, 2.0);
+}
+
+TEST(Fit, LeavesBendingWhereItWasAndSaysSo) {
+  auto data = testing::data_of({testing::loop_capture({})}, 0.2);
+  testing::measure_with(testing::preset_with("stvk_diagonal", {600.0, 800.0, 100.0}), 0.0, 1,
+                        *data);
+  const std::size_t points[] = {1, 5};
+  std::size_t k = 0;
+  for (const char* name : {"cloth_stvk", "cloth_stvk_spline"}) {
+    model::Model model = model::preset(name).value();
+    adapt_spline_ranges(model, data->curves);
+    ASSERT_EQ(model.terms[3].strain.name, "bend_u");
+    EXPECT_EQ(model.terms[3].law.range_lo, model.terms[3].law.range_hi);  // no curve reaches it
+    const FitResult found = fit_of(model, data);
+    ASSERT_TRUE(found.usable) << found.message;
+    const std::size_t first = 3 * points[k];
+    ASSERT_EQ(found.states.size(), 6 * points[k]);
+    for (std::size_t i = first; i < found.states.size(); ++i) {
+      EXPECT_EQ(found.states[i], ParameterState::zero_gradient) << name << " " << i;
+      EXPECT_EQ(found.parameters[static_cast<Eigen::Index>(i)], 1e-5);
+    }
+    EXPECT_GT(found.parameters[0], 400.0);  // and the stretch was found beside it
+    ++k;
+  }
 }
 
 TEST(Fit, FreeDirectionsTellTheCoupling) {

@@ -19,7 +19,7 @@ auto difference(Function f, double x, double h) {
   using Value = std::decay_t<decltype(f(x))>;  // never an expression that refers to what is gone
   const Value near = f(x + h) - f(x - h);
   const Value far = f(x + 2.0 * h) - f(x - 2.0 * h);
-  const Value slope = (near * 8.0 - far) * (1.0 / (12.0 * h));
+  Value slope = (near * 8.0 - far) * (1.0 / (12.0 * h));
   return slope;
 }
 

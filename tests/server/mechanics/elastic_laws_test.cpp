@@ -51,6 +51,39 @@ TEST(ElasticLaws, HoldTheDerivativesOfALaw) {
   check_law({.words = "linear on two", .law = law_with("linear", {120.0}), .strains = 2});
   check_law({.words = "bilinear", .law = law_with("bilinear", {-35.0}), .strains = 2});
   check_law({.words = "exponential fibre", .law = law_with("exponential_fibre", {80.0, 60.0})});
+  for (const double alpha : {2.0, 1.3, 9.0, -4.0, 1e-3})
+    for (const int strains : {1, 2, 3})
+      check_law({.words = "ogden " + std::to_string(alpha),
+                 .law = law_with("ogden", {alpha < 0.0 ? -70.0 : 70.0, alpha}),
+                 .strains = strains,
+                 .lo = -0.3,
+                 .hi = 0.6,
+                 .finest = 1e-4});
+  check_law({.words = "constant stress",
+             .law = law_with("constant_stress", {12.0}),
+             .stressed_at_rest = true,
+             .has_tangent = false});
+  const std::vector<double> w = {0.6, 0.1, 0.05, 0.4, 1.1};
+  check_law({.words = "hermite energy inside",
+             .law = law_with("hermite_energy", w, -0.06, 0.11),
+             .finest = 2e-5,
+             .kinks = {-0.0175, 0.025, 0.0675},
+             .stressed_at_rest = true});
+  check_law({.words = "hermite energy beyond its points",
+             .law = law_with("hermite_energy", w, 0.01, 0.05),
+             .finest = 2e-5,
+             .kinks = {0.01, 0.02, 0.03, 0.04, 0.05},
+             .stressed_at_rest = true});
+  check_law({.words = "gaussian energy",
+             .law = law_with("gaussian_energy", w, -0.06, 0.11),
+             .finest = 2e-5,
+             .stressed_at_rest = true});
+  check_law({.words = "gaussian energy of two strains",
+             .law = law_with("gaussian_energy_2", {0.6, 0.1, 0.3, 0.4, 0.1, 0.2, 0.7, 0.2, 0.9},
+                             -0.06, 0.11),
+             .strains = 2,
+             .finest = 2e-5,
+             .stressed_at_rest = true});
   for (const char* name : {"hermite_stiffness", "bspline_stiffness", "convex_spline"}) {
     check_law({.words = std::string(name) + " inside",
                .law = law_with(name, kFive, -0.06, 0.11),
@@ -76,6 +109,10 @@ TEST(ElasticLaws, EnergyIsTheIntegralOfTheStress) {
       law_with("bspline_stiffness", kFive, -0.02, 0.06),
       law_with("convex_spline", kFive, -0.02, 0.06),
       law_with("convex_spline", kFive, 0.02, 0.06),
+      law_with("constant_stress", {7.0}),
+      law_with("ogden", {70.0, 3.0}),
+      law_with("hermite_energy", {0.6, 0.1, 0.05, 0.4, 1.1}, -0.02, 0.06),
+      law_with("gaussian_energy", {0.6, 0.1, 0.05, 0.4, 1.1}, -0.02, 0.06),
   };
   for (const model::Law& description : laws) {
     const auto law = made(description);
@@ -150,6 +187,53 @@ TEST(SplineLaws, StayNonNegativeWhereTheirCoefficientsAre) {
   }
 }
 
+TEST(HermiteEnergyLaw, PassesThroughItsPointsUpToTheRestEnergy) {
+  const std::vector<double> w = {0.6, 0.1, 0.05, 0.4, 1.1};
+  const auto law = made(law_with("hermite_energy", w, -0.02, 0.06));
+  for (int i = 0; i < 5; ++i)
+    EXPECT_NEAR(evaluate(*law, w, {-0.02 + 0.02 * i}).energy, w[static_cast<std::size_t>(i)] - w[1],
+                1e-14);
+}
+
+TEST(HermiteEnergyLaw, OfEvenSamplesOfAParabolaIsTheLinearLawInside) {
+  std::vector<double> w;
+  for (int i = 0; i < 7; ++i) w.push_back(50.0 * std::pow(-0.03 + 0.02 * i, 2));
+  const auto law = made(law_with("hermite_energy", w, -0.03, 0.09));
+  for (const double e : {-0.005, 0.0, 0.013, 0.05, 0.0699}) {
+    EXPECT_NEAR(evaluate(*law, w, {e}).stress[0], 100.0 * e, 1e-12);
+    EXPECT_NEAR(evaluate(*law, w, {e}).tangent[0][0], 100.0, 1e-9);
+  }
+}
+
+TEST(GaussianEnergyLaw, IsTheSumOfItsGaussians) {
+  const std::vector<double> w = {0.6, 0.1, 0.3, 0.4, 0.1, 0.2, 0.7, 0.2, 0.9};
+  const auto law = made(law_with("gaussian_energy_2", w, -0.1, 0.3), 2);
+  const auto sum = [&](double x, double y) {
+    double s = 0.0;
+    for (int j = 0; j < 9; ++j) {
+      const double dx = x - (-0.1 + 0.2 * (j % 3));
+      const double dy = y - (-0.1 + 0.2 * (j / 3));
+      s += w[static_cast<std::size_t>(j)] * std::exp(-(dx * dx + dy * dy) / (2.0 * 0.2 * 0.2));
+    }
+    return s;
+  };
+  EXPECT_NEAR(evaluate(*law, w, {0.17, 0.02}).energy, sum(0.17, 0.02) - sum(0.0, 0.0), 1e-14);
+  EXPECT_GT(std::abs(sum(0.17, 0.02) - sum(0.0, 0.0)), 0.01);
+}
+
+TEST(OgdenLaw, KeepsItsDigitsNearRestAndIsFiniteWhereCollapsed) {
+  const auto law = made(law_with("ogden", {70.0, 3.0}));
+  // Psi -> mu alpha eps^2 / 2
+  EXPECT_NEAR(evaluate(*law, {70.0, 3.0}, {1e-9}).stress[0] / (210.0 * 1e-9), 1.0, 1e-8);
+  const LawOutput flat = evaluate(*law, {70.0, -3.0}, {-1.0});
+  EXPECT_TRUE(std::isfinite(flat.energy));
+  EXPECT_TRUE(std::isfinite(flat.stress[0]));
+  EXPECT_TRUE(std::isfinite(flat.tangent[0][0]));
+  const LawOutput none = evaluate(*law, {70.0, 0.0}, {0.2});
+  EXPECT_EQ(none.energy, 0.0);
+  EXPECT_EQ(none.stress[0], 0.0);
+}
+
 TEST(SplineLaws, AreLinearInTheirParameters) {
   for (const char* name : {"hermite_stiffness", "bspline_stiffness", "convex_spline"}) {
     const auto law = made(law_with(name, kFive, -0.02, 0.06));
@@ -166,6 +250,9 @@ TEST(Laws, RefuseWhatDoesNotFit) {
   EXPECT_FALSE(make_law(law_with("bilinear", {1.0}), 1));
   EXPECT_FALSE(make_law(law_with("exponential_fibre", {1.0, 1.0}), 2));
   EXPECT_FALSE(make_law(law_with("hermite_stiffness", kFive, 0.1, 0.1), 1));
+  EXPECT_FALSE(make_law(law_with("hermite_energy", kFive, 0.1, 0.1), 1));
+  EXPECT_FALSE(make_law(law_with("gaussian_energy", kFive, 0.0, 0.1), 2));
+  EXPECT_FALSE(make_law(law_with("gaussian_energy_2", kFive, 0.0, 0.1), 2));  // no square
   model::Law unknown;
   unknown.name = "no_such_law";
   EXPECT_FALSE(make_law(unknown, 1));
@@ -180,7 +267,7 @@ TEST(Laws, EveryRowOfTheCatalogueHasOne) {
     model::Law description;
     description.name = row.name;
     description.range_hi = 0.1;
-    description.parameters = model::default_parameters(row, 5);
+    description.parameters = model::default_parameters(row, row.grid ? 4 : 5);
     const auto law = make_law(description, row.strains == 0 ? 1 : row.strains);
     ASSERT_TRUE(law) << row.name;
     EXPECT_EQ((*law)->state_count() > 0, row.path_dependent) << row.name;

@@ -23,6 +23,8 @@ struct LawCase {
   double step_s = 0.5;             ///< mean duration of a step; 0: no time
   double finest = 5e-6;            ///< step of the differences by strain
   std::vector<double> kinks = {};  ///< strains, of the path or remembered, where the law bends
+  bool stressed_at_rest = false;   ///< energies through control points may have a stress there
+  bool has_tangent = true;
   unsigned seed = 1;
 };
 

@@ -149,8 +149,16 @@ TEST(MaterialPoint, StVenantKirchhoffIsThatOfTheTextbook) {
   compared.judge(1e-12, 10.0);
 }
 
+/// Shipped models that a piece of membrane can follow: all but the solids.
+std::vector<std::string> membrane_presets() {
+  std::vector<std::string> names = model::preset_names();
+  std::erase_if(names, [](const std::string& name) { return name.rfind("solid", 0) == 0; });
+  EXPECT_EQ(names.size(), 16U);
+  return names;
+}
+
 TEST(MaterialPoint, ElasticStressHasAPotential) {
-  for (const std::string& name : model::preset_names()) {
+  for (const std::string& name : membrane_presets()) {
     const Specimen specimen = specimen_of(preset(name));
     Numbers numbers(2);
     Comparison symmetric(name + ": dP_i/dq_j against dP_j/dq_i");
@@ -174,8 +182,34 @@ TEST(MaterialPoint, ElasticStressHasAPotential) {
   }
 }
 
+TEST(MaterialPoint, BendingDoesNothingAndKeepsItsParametersPlaces) {
+  for (const char* name : {"cloth_stvk", "cloth_springs", "cloth_soft_spline"}) {
+    const model::Model whole = preset(name);
+    model::Model flat = whole;
+    std::erase_if(flat.terms, [](const model::Term& t) { return t.id.rfind("bend", 0) == 0; });
+    ASSERT_EQ(flat.terms.size() + 3, whole.terms.size());
+    const Specimen bends = specimen_of(whole);
+    const Specimen stays = specimen_of(flat);
+    EXPECT_GT(bends.parameters.size(), stays.parameters.size());
+    const Eigen::Vector3d stress = stress_at(stays, 0.4, {1.1, 1.05, 0.03});
+    EXPECT_GT(stress.norm(), 1.0);
+    EXPECT_EQ(stress_at(bends, 0.4, {1.1, 1.05, 0.03}), stress) << name;
+  }
+}
+
+TEST(MaterialPoint, RefusesSolidsAndPlacesInTheMaterial) {
+  const auto solid = MaterialPoint::make(preset("solid_stvk"));
+  ASSERT_FALSE(solid);
+  EXPECT_NE(solid.error().message.find("strain of solids"), std::string::npos);
+  model::Model placed = preset("stvk_orthotropic");
+  placed.terms[1].support = {"rbf", "samples", 1};
+  const auto field = MaterialPoint::make(placed);
+  ASSERT_FALSE(field);
+  EXPECT_NE(field.error().message.find("warp"), std::string::npos);
+}
+
 TEST(MaterialPoint, RestIsFreeOfStress) {
-  for (const std::string& name : model::preset_names())
+  for (const std::string& name : membrane_presets())
     EXPECT_EQ(stress_at(specimen_of(preset(name)), 0.4, {1.0, 1.0, 0.0}).norm(), 0.0) << name;
   EXPECT_EQ(stress_at(specimen_of(rich_model()), 0.0, {1.0, 1.0, 0.0}).norm(), 0.0);
 }

@@ -7,6 +7,11 @@
 // strain (along time in a hold) on the residuals of the current fit, so that small differences of
 // the path do not count. The first run of a group with three or more is kept apart: what it shows
 // alone is a finding, not noise.
+//
+// A run whose deviation from the point-wise median is twice as loud as is usual had an accident (a
+// slip): it has no say in the mean that the others are compared with, and its own deviation is
+// brought down to twice the usual. White noise is unbiased: with k runs in the mean the squares of
+// their deviations are divided by 1 - 1/k, of others' by 1 + 1/k.
 #pragma once
 
 #include <Eigen/Core>

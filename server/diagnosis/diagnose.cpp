@@ -10,6 +10,7 @@
 
 #include "server/diagnosis/checklist.h"
 #include "server/diagnosis/checks/refined_solve.h"
+#include "server/diagnosis/checks/repeats_check.h"
 #include "server/diagnosis/model_edit.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/score.h"
@@ -306,8 +307,7 @@ Expected<Diagnosis> begin(const Request& request, const Control& control) {
   return d;
 }
 
-/// The baseline of a diagnosis stands on a refined solve. A better optimum is where all begins
-/// again, noise and outliers too.
+/// The baseline stands on a refined solve; from a better optimum all begins again.
 Expected<Diagnosis> begin_refined(const Request& request, const Control& control) {
   auto d = begin(request, control);
   if (!d) return d;
@@ -358,6 +358,7 @@ Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
   if (!started) return started;
   Diagnosis& d = *started;
   const Excitation excitation = examine(d.data->curves);
+  report_repeats(d, check_repeats(d.baseline, d.data, d.noise, excitation, request.options.seed));
   Reference current = d.baseline;
   std::vector<Accepted> accepted;
   go_forward(d, current, accepted, request, excitation, control);

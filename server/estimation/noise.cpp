@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace tenter::estimation {
@@ -315,6 +316,82 @@ Noise estimate_noise(const DataSet& data, const std::vector<Row>& rows,
     }
   }
   return noise;
+}
+
+int later_repeats(const DataSet& data) {
+  std::map<std::string, int> runs;
+  for (const Curves& curves : data.curves)
+    for (const CurveRun& run : curves.runs) ++runs[run.group];
+  int most = 0;
+  for (const auto& [group, count] : runs) most = std::max(most, count >= 3 ? count - 1 : count);
+  return most;
+}
+
+Eigen::VectorXd repeat_difference(const DataSet& data, const std::vector<Row>& rows,
+                                  const Eigen::VectorXd& residuals, int which) {
+  struct Piece {
+    int run_order = 0;
+    std::size_t first = 0;  ///< rows [first, last)
+    std::size_t last = 0;
+    bool reversed = false;
+    Segment segment;
+  };
+  std::map<std::string, int> runs_in_group;
+  std::vector<std::vector<int>> order(data.curves.size());
+  for (std::size_t i = 0; i < data.curves.size(); ++i)
+    for (const CurveRun& run : data.curves[i].runs) order[i].push_back(runs_in_group[run.group]++);
+  std::map<std::pair<std::string, std::string>, std::vector<Piece>> places;
+  for (std::size_t first = 0; first < rows.size();) {
+    const Row& row = rows[first];
+    Piece piece;
+    std::vector<int> frames;
+    std::vector<double> values;
+    std::size_t last = first;
+    for (; last < rows.size() && rows[last].block == row.block && rows[last].channel == row.channel;
+         ++last) {
+      frames.push_back(rows[last].frame);
+      values.push_back(residuals[static_cast<Eigen::Index>(last)]);
+    }
+    const Curves& curves = data.curves[static_cast<std::size_t>(row.curve)];
+    const int local = curves.block_of[static_cast<std::size_t>(row.frame)];
+    const Block& block = curves.blocks[static_cast<std::size_t>(local)];
+    const auto run = static_cast<std::size_t>(block.run);
+    int place = 0;
+    for (int b = 0; b < local; ++b)
+      place += curves.blocks[static_cast<std::size_t>(b)].run == block.run ? 1 : 0;
+    if (frames.size() >= 3) {
+      piece.run_order = order[static_cast<std::size_t>(row.curve)][run];
+      piece.first = first;
+      piece.last = last;
+      piece.segment = make_segment(curves, block, frames, values);
+      piece.reversed = piece.segment.value.front() != values.front();
+      places[{curves.channels[static_cast<std::size_t>(row.channel)].name,
+              curves.runs[run].group + "#" + std::to_string(place)}]
+          .push_back(std::move(piece));
+    }
+    first = last;
+  }
+  Eigen::VectorXd difference =
+      Eigen::VectorXd::Constant(residuals.size(), std::numeric_limits<double>::quiet_NaN());
+  for (auto& [key, pieces] : places) {
+    std::sort(pieces.begin(), pieces.end(),
+              [](const Piece& a, const Piece& b) { return a.run_order < b.run_order; });
+    if (pieces.size() >= 3) pieces.erase(pieces.begin());
+    const auto k = static_cast<std::size_t>(which);
+    if (pieces.size() < 2 || k >= pieces.size()) continue;
+    const Piece& one = pieces[k];
+    const Segment& other = pieces[(k + 1) % pieces.size()].segment;
+    const std::size_t n = one.segment.x.size();
+    for (std::size_t s = 0; s < n; ++s) {
+      const double x = one.segment.x[s];
+      if (x < other.x.front() || x > other.x.back()) continue;
+      const Interpolated there = interpolate(other, x);
+      const std::size_t r = one.reversed ? one.last - 1 - s : one.first + s;
+      difference[static_cast<Eigen::Index>(r)] =
+          (one.segment.value[s] - there.value) / std::sqrt(1.0 + there.kept);
+    }
+  }
+  return difference;
 }
 
 }  // namespace tenter::estimation

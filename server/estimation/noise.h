@@ -45,6 +45,15 @@ struct Noise {
 Noise estimate_noise(const DataSet& data, const std::vector<Row>& rows,
                      const Eigen::VectorXd& residuals);
 
+/// How many repeats the largest group has, its first run kept apart where there are three or more.
+int later_repeats(const DataSet& data);
+
+/// One repeat as the model of another: the whitened residuals of the repeat with number `which` of
+/// every group less those of the next (of the first after the last) at the same strain, over the
+/// square root of what white noise makes of that. NaN on all rows that have no partner.
+Eigen::VectorXd repeat_difference(const DataSet& data, const std::vector<Row>& rows,
+                                  const Eigen::VectorXd& residuals, int which);
+
 const char* noise_source_words(NoiseSource source);
 
 }  // namespace tenter::estimation

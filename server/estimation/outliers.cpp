@@ -127,6 +127,7 @@ Sides sides_of(const std::vector<Row>& rows, const Eigen::VectorXd& residuals,
   const double middle = 0.5 * static_cast<double>(first + last - 1);
   const auto level = [&](const std::vector<std::size_t>& side) {
     std::vector<double> levels;
+    levels.reserve(side.size());
     for (const std::size_t r : side)
       levels.push_back(x(r) + slope * (middle - static_cast<double>(r)));
     return median(levels);

@@ -26,7 +26,7 @@ double normal(std::mt19937_64& engine) {
 }
 
 bool is_amplitude(const model::Parameter& p) {
-  return p.unit.find("N") != std::string::npos;
+  return p.unit.find('N') != std::string::npos;
 }
 
 double within_bounds(const model::Parameter& p, double value) {

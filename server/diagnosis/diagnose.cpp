@@ -9,6 +9,8 @@
 #include <thread>
 
 #include "server/diagnosis/checklist.h"
+#include "server/diagnosis/checks/refined_solve.h"
+#include "server/diagnosis/checks/repeats_check.h"
 #include "server/diagnosis/model_edit.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/score.h"
@@ -110,10 +112,10 @@ PathStep step_of(const std::string& action, const std::string& effect, const std
 }
 
 /// Forward: one effect at a time, the best that passes, until none does.
-std::vector<Accepted> go_forward(Diagnosis& d, Reference& current, const Request& request,
-                                 const Excitation& excitation, const Control& control) {
-  std::vector<Accepted> accepted;
-  for (int round = 0; round < request.options.max_effects; ++round) {
+void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
+                const Request& request, const Excitation& excitation, const Control& control) {
+  for (int round = static_cast<int>(accepted.size()); round < request.options.max_effects;
+       ++round) {
     const double fraction = 0.1 + 0.7 * round / request.options.max_effects;
     control.report(
         {"screen", "round " + std::to_string(round + 1), round, current.fit.chi2, fraction});
@@ -158,7 +160,6 @@ std::vector<Accepted> go_forward(Diagnosis& d, Reference& current, const Request
     d.path.push_back(std::move(step));
     accepted.push_back(std::move(entry));
   }
-  return accepted;
 }
 
 /// Takes an effect out, refits, and keeps it out where `is_needless` says so of the refit.
@@ -233,11 +234,7 @@ bool beside_an_event(const Diagnosis& d, const estimation::Outlier& o, bool near
 /// that the baseline lacked is no misreading.
 void confirm_outliers(Diagnosis& d) {
   if (d.outliers.empty()) return;
-  auto whole = std::make_shared<estimation::DataSet>();
-  whole->curves = d.curves;
-  whole->sigma = d.data->sigma;
-  for (const estimation::Curves& c : d.curves)
-    whole->left_out.emplace_back(c.channels.size(), std::vector<bool>(c.frame_count(), false));
+  const auto whole = std::make_shared<const estimation::DataSet>(whole_data(d, {}));
   auto evaluator = estimation::Evaluator::make(d.extended.model, whole);
   Eigen::VectorXd residuals;
   if (!evaluator || evaluator->evaluate(estimation::parameter_values(d.extended.model), residuals,
@@ -297,10 +294,6 @@ void measure_gain(Diagnosis& d, const Options& options, const Control& control) 
   }
 }
 
-}  // namespace
-
-namespace {
-
 Expected<Diagnosis> begin(const Request& request, const Control& control) {
   auto prepared = prepare(request, control);
   if (!prepared) return tl::unexpected(prepared.error());
@@ -312,6 +305,41 @@ Expected<Diagnosis> begin(const Request& request, const Control& control) {
   d.baseline = std::move(prepared->baseline);
   d.path.push_back(step_of("start", "", request.model.name, d.baseline, d));
   return d;
+}
+
+/// The baseline stands on a refined solve; from a better optimum all begins again.
+Expected<Diagnosis> begin_refined(const Request& request, const Control& control) {
+  auto d = begin(request, control);
+  if (!d) return d;
+  control.report({"refined solve", "", 0, d->baseline.fit.chi2, 0.08});
+  const auto keep_on = [&] { return !control.stop.stop_requested(); };
+  RefinedSolve solve = refined_solve(d->baseline, d->data, whole_data(*d, d->outliers),
+                                     request.options.seed, keep_on);
+  if (control.stop.stop_requested())
+    return fail(ErrorKind::cancelled, "stopped during the refined solve");
+  check_refined_solve(*d, solve, "the baseline");
+  if (!solve.effect.empty())
+    d->verdicts.push_back(numerical_verdict(*d, solve, request.options.seed));
+  if (!solve.better) return d;
+  Request again = request;
+  again.model = std::move(solve.better->model);
+  auto better = begin(again, control);
+  if (!better) return better;
+  better->verdicts = std::move(d->verdicts);
+  better->checklist = std::move(d->checklist);
+  return better;
+}
+
+/// Once more for the extended model; true where a better optimum took its place.
+bool refine_extended(Diagnosis& d, Reference& current, const Request& request,
+                     const Control& control) {
+  const auto keep_on = [&] { return !control.stop.stop_requested(); };
+  RefinedSolve solve =
+      refined_solve(current, d.data, whole_data(d, d.outliers), request.options.seed + 7, keep_on);
+  check_refined_solve(d, solve, "the extended model");
+  if (!solve.better) return false;
+  current = std::move(*solve.better);
+  return true;
 }
 
 }  // namespace
@@ -326,15 +354,21 @@ Expected<Diagnosis> fit_only(const Request& request, const Control& control) {
 }
 
 Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
-  auto started = begin(request, control);
+  auto started = begin_refined(request, control);
   if (!started) return started;
   Diagnosis& d = *started;
   const Excitation excitation = examine(d.data->curves);
+  report_repeats(d, check_repeats(d.baseline, d.data, d.noise, excitation, request.options.seed));
   Reference current = d.baseline;
-  std::vector<Accepted> accepted = go_forward(d, current, request, excitation, control);
+  std::vector<Accepted> accepted;
+  go_forward(d, current, accepted, request, excitation, control);
   if (control.stop.stop_requested())
     return fail(ErrorKind::cancelled, "stopped while effects were being tried");
   go_backward(d, current, accepted);
+  if (!accepted.empty() && refine_extended(d, current, request, control)) {
+    go_forward(d, current, accepted, request, excitation, control);
+    go_backward(d, current, accepted);
+  }
   const auto look_again = [&] {
     d.extended = current;
     d.last_screen = screen(current.model, current.fit, d.data, d.noise, excitation,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace tenter::estimation {
@@ -83,40 +84,36 @@ struct Member {
   Segment segment;
 };
 
-/// Repeats' deviations from their mean on a common grid, scaled to the variance of one reading;
-/// empty where the segments do not overlap.
-std::vector<std::vector<double>> deviations(std::vector<Member>& members) {
+using Sequences = std::vector<std::vector<double>>;
+
+/// Repeats of one block on a common grid, each value over the square root of the share of white
+/// noise that interpolation keeps there: the scatter between them is that of single readings.
+/// Empty where they do not overlap or there are not two.
+Sequences aligned(std::vector<Member>& members) {
   std::sort(members.begin(), members.end(),
             [](const Member& a, const Member& b) { return a.run_order < b.run_order; });
   if (members.size() >= 3) members.erase(members.begin());
-  std::vector<std::vector<double>> result;
-  if (members.size() < 2) return result;
+  if (members.size() < 2) return {};
   double lo = -1e300;
   double hi = 1e300;
   for (const Member& m : members) {
-    if (m.segment.x.size() < 3) return result;
+    if (m.segment.x.size() < 3) return {};
     lo = std::max(lo, m.segment.x.front());
     hi = std::min(hi, m.segment.x.back());
   }
-  if (!(hi > lo)) return result;
-  const double scale =
-      std::sqrt(static_cast<double>(members.size()) / (static_cast<double>(members.size()) - 1.0));
-  result.resize(members.size());
+  if (!(hi > lo)) return {};
+  Sequences values(members.size());
   for (int g = 0; g < kGridPoints; ++g) {
     const double x = lo + (hi - lo) * (g + 0.5) / kGridPoints;
-    double mean = 0.0;
     double kept = 0.0;
-    const double count = static_cast<double>(members.size());
     for (std::size_t m = 0; m < members.size(); ++m) {
       const Interpolated at = interpolate(members[m].segment, x);
-      result[m].push_back(at.value);
-      mean += at.value / count;
-      kept += at.kept / count;
+      values[m].push_back(at.value);
+      kept += at.kept / static_cast<double>(members.size());
     }
-    for (auto& sequence : result)
-      sequence.back() = (sequence.back() - mean) * scale / std::sqrt(kept);
+    for (auto& sequence : values) sequence.back() /= std::sqrt(kept);
   }
-  return result;
+  return values;
 }
 
 double rms(const std::vector<double>& x) {
@@ -125,19 +122,81 @@ double rms(const std::vector<double>& x) {
   return x.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(x.size()));
 }
 
-/// One run's accident (a slip, a drift) must not pass for noise: sequences louder than twice the
-/// median are brought down to it.
-void tame(std::vector<std::vector<double>>& sequences) {
-  if (sequences.size() < 3) return;
+double median_of(std::vector<double> x) {
+  std::sort(x.begin(), x.end());
+  const std::size_t half = x.size() / 2;
+  return x.size() % 2 == 1 ? x[half] : 0.5 * (x[half - 1] + x[half]);
+}
+
+constexpr double kLoud = 2.0;  ///< times the median loudness: an accident, no noise
+
+/// Loudness of each repeat about the point-wise median of all: the median does not move with one
+/// of three or more, so that an accident is seen in the run that had it and in no other.
+std::vector<double> loudness_about_median(const Sequences& values) {
+  std::vector<std::vector<double>> about(values.size());
+  std::vector<double> here(values.size());
+  for (std::size_t g = 0; g < values.front().size(); ++g) {
+    for (std::size_t m = 0; m < values.size(); ++m) here[m] = values[m][g];
+    const double centre = median_of(here);
+    for (std::size_t m = 0; m < values.size(); ++m) about[m].push_back(here[m] - centre);
+  }
   std::vector<double> loudness;
-  loudness.reserve(sequences.size());
-  for (const auto& s : sequences) loudness.push_back(rms(s));
-  std::vector<double> sorted = loudness;
-  std::sort(sorted.begin(), sorted.end());
-  const double limit = 2.0 * sorted[sorted.size() / 2];
-  for (std::size_t i = 0; i < sequences.size(); ++i)
-    if (loudness[i] > limit && limit > 0.0)
-      for (double& v : sequences[i]) v *= limit / loudness[i];
+  loudness.reserve(about.size());
+  for (const auto& sequence : about) loudness.push_back(rms(sequence));
+  return loudness;
+}
+
+/// Deviations from the mean of those of the repeats that had no accident. With k of them white
+/// noise of variance s^2 leaves s^2 (1 - 1/k) in each and s^2 (1 + 1/k) in any other: divided out.
+Sequences deviations(const Sequences& values, const std::vector<bool>& accident) {
+  std::vector<bool> counts(values.size());
+  double k = 0.0;
+  for (std::size_t m = 0; m < values.size(); ++m) {
+    counts[m] = !accident[m];
+    if (counts[m]) k += 1.0;
+  }
+  if (k < 2.0) {
+    counts.assign(values.size(), true);
+    k = static_cast<double>(values.size());
+  }
+  Sequences result(values.size());
+  for (std::size_t g = 0; g < values.front().size(); ++g) {
+    double mean = 0.0;
+    for (std::size_t m = 0; m < values.size(); ++m)
+      if (counts[m]) mean += values[m][g] / k;
+    for (std::size_t m = 0; m < values.size(); ++m)
+      result[m].push_back((values[m][g] - mean) /
+                          std::sqrt(counts[m] ? 1.0 - 1.0 / k : 1.0 + 1.0 / k));
+  }
+  return result;
+}
+
+/// Deviations between the repeats of all places of one channel. One run's accident (a slip, a
+/// drift) must not pass for noise: it has no say in the centre, and what is louder than kLoud times
+/// the median is brought down to that.
+Sequences deviations_of_channel(const std::vector<Sequences>& places) {
+  std::vector<std::vector<double>> loudness;
+  std::vector<double> all;
+  for (const Sequences& values : places) {
+    loudness.push_back(loudness_about_median(values));
+    all.insert(all.end(), loudness.back().begin(), loudness.back().end());
+  }
+  const double loud = kLoud * median_of(all);
+  Sequences result;
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    std::vector<bool> accident(places[p].size(), false);
+    if (places[p].size() >= 3 && loud > 0.0)
+      for (std::size_t m = 0; m < accident.size(); ++m) accident[m] = loudness[p][m] > loud;
+    for (auto& sequence : deviations(places[p], accident)) result.push_back(std::move(sequence));
+  }
+  if (result.size() < 3) return result;
+  all.clear();
+  for (const auto& sequence : result) all.push_back(rms(sequence));
+  const double limit = kLoud * median_of(all);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    if (all[i] > limit && limit > 0.0)
+      for (double& v : result[i]) v *= limit / all[i];
+  return result;
 }
 
 }  // namespace
@@ -191,12 +250,14 @@ Noise estimate_noise(const DataSet& data, const std::vector<Row>& rows,
       }
     }
   }
-  std::map<std::string, std::vector<std::vector<double>>> repeats;  // by channel name, SI
+  std::map<std::string, std::vector<Sequences>> places;  // by channel name, SI
   for (auto& [key, list] : members)
-    for (auto& sequence : deviations(list)) repeats[key.first].push_back(std::move(sequence));
+    if (Sequences values = aligned(list); !values.empty())
+      places[key.first].push_back(std::move(values));
+  std::map<std::string, Sequences> repeats;
+  for (const auto& [name, of_channel] : places) repeats[name] = deviations_of_channel(of_channel);
   std::map<std::string, double> repeat_sigma;
-  for (auto& [name, sequences] : repeats) {
-    tame(sequences);
+  for (const auto& [name, sequences] : repeats) {
     double sum = 0.0;
     for (const auto& s : sequences) sum += rms(s) * rms(s);
     repeat_sigma[name] = std::sqrt(sum / static_cast<double>(sequences.size()));
@@ -255,6 +316,82 @@ Noise estimate_noise(const DataSet& data, const std::vector<Row>& rows,
     }
   }
   return noise;
+}
+
+int later_repeats(const DataSet& data) {
+  std::map<std::string, int> runs;
+  for (const Curves& curves : data.curves)
+    for (const CurveRun& run : curves.runs) ++runs[run.group];
+  int most = 0;
+  for (const auto& [group, count] : runs) most = std::max(most, count >= 3 ? count - 1 : count);
+  return most;
+}
+
+Eigen::VectorXd repeat_difference(const DataSet& data, const std::vector<Row>& rows,
+                                  const Eigen::VectorXd& residuals, int which) {
+  struct Piece {
+    int run_order = 0;
+    std::size_t first = 0;  ///< rows [first, last)
+    std::size_t last = 0;
+    bool reversed = false;
+    Segment segment;
+  };
+  std::map<std::string, int> runs_in_group;
+  std::vector<std::vector<int>> order(data.curves.size());
+  for (std::size_t i = 0; i < data.curves.size(); ++i)
+    for (const CurveRun& run : data.curves[i].runs) order[i].push_back(runs_in_group[run.group]++);
+  std::map<std::pair<std::string, std::string>, std::vector<Piece>> places;
+  for (std::size_t first = 0; first < rows.size();) {
+    const Row& row = rows[first];
+    Piece piece;
+    std::vector<int> frames;
+    std::vector<double> values;
+    std::size_t last = first;
+    for (; last < rows.size() && rows[last].block == row.block && rows[last].channel == row.channel;
+         ++last) {
+      frames.push_back(rows[last].frame);
+      values.push_back(residuals[static_cast<Eigen::Index>(last)]);
+    }
+    const Curves& curves = data.curves[static_cast<std::size_t>(row.curve)];
+    const int local = curves.block_of[static_cast<std::size_t>(row.frame)];
+    const Block& block = curves.blocks[static_cast<std::size_t>(local)];
+    const auto run = static_cast<std::size_t>(block.run);
+    int place = 0;
+    for (int b = 0; b < local; ++b)
+      place += curves.blocks[static_cast<std::size_t>(b)].run == block.run ? 1 : 0;
+    if (frames.size() >= 3) {
+      piece.run_order = order[static_cast<std::size_t>(row.curve)][run];
+      piece.first = first;
+      piece.last = last;
+      piece.segment = make_segment(curves, block, frames, values);
+      piece.reversed = piece.segment.value.front() != values.front();
+      places[{curves.channels[static_cast<std::size_t>(row.channel)].name,
+              curves.runs[run].group + "#" + std::to_string(place)}]
+          .push_back(std::move(piece));
+    }
+    first = last;
+  }
+  Eigen::VectorXd difference =
+      Eigen::VectorXd::Constant(residuals.size(), std::numeric_limits<double>::quiet_NaN());
+  for (auto& [key, pieces] : places) {
+    std::sort(pieces.begin(), pieces.end(),
+              [](const Piece& a, const Piece& b) { return a.run_order < b.run_order; });
+    if (pieces.size() >= 3) pieces.erase(pieces.begin());
+    const auto k = static_cast<std::size_t>(which);
+    if (pieces.size() < 2 || k >= pieces.size()) continue;
+    const Piece& one = pieces[k];
+    const Segment& other = pieces[(k + 1) % pieces.size()].segment;
+    const std::size_t n = one.segment.x.size();
+    for (std::size_t s = 0; s < n; ++s) {
+      const double x = one.segment.x[s];
+      if (x < other.x.front() || x > other.x.back()) continue;
+      const Interpolated there = interpolate(other, x);
+      const std::size_t r = one.reversed ? one.last - 1 - s : one.first + s;
+      difference[static_cast<Eigen::Index>(r)] =
+          (one.segment.value[s] - there.value) / std::sqrt(1.0 + there.kept);
+    }
+  }
+  return difference;
 }
 
 }  // namespace tenter::estimation

@@ -7,6 +7,11 @@
 // strain (along time in a hold) on the residuals of the current fit, so that small differences of
 // the path do not count. The first run of a group with three or more is kept apart: what it shows
 // alone is a finding, not noise.
+//
+// A run whose deviation from the point-wise median is twice as loud as is usual had an accident (a
+// slip): it has no say in the mean that the others are compared with, and its own deviation is
+// brought down to twice the usual. White noise is unbiased: with k runs in the mean the squares of
+// their deviations are divided by 1 - 1/k, of others' by 1 + 1/k.
 #pragma once
 
 #include <Eigen/Core>
@@ -39,6 +44,15 @@ struct Noise {
 /// `sigma` of the data set is what `residuals` were divided by; it need not be right.
 Noise estimate_noise(const DataSet& data, const std::vector<Row>& rows,
                      const Eigen::VectorXd& residuals);
+
+/// How many repeats the largest group has, its first run kept apart where there are three or more.
+int later_repeats(const DataSet& data);
+
+/// One repeat as the model of another: the whitened residuals of the repeat with number `which` of
+/// every group less those of the next (of the first after the last) at the same strain, over the
+/// square root of what white noise makes of that. NaN on all rows that have no partner.
+Eigen::VectorXd repeat_difference(const DataSet& data, const std::vector<Row>& rows,
+                                  const Eigen::VectorXd& residuals, int which);
 
 const char* noise_source_words(NoiseSource source);
 

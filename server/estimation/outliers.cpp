@@ -80,6 +80,64 @@ std::vector<std::size_t> along_strain(const Curves& curves, const std::vector<Ro
   return order;
 }
 
+/// What the readings before and those after a group say of it, each with a level of its own and
+/// both with one slope; in time, within the block. At an end of the block the one side speaks for
+/// both.
+struct Sides {
+  bool any = false;  ///< there are readings enough on one side at least
+  double before = 0.0;
+  double after = 0.0;
+};
+
+/// `suspects` speak for neither side.
+Sides sides_of(const std::vector<Row>& rows, const Eigen::VectorXd& residuals,
+               const std::vector<bool>& suspects, std::size_t begin, std::size_t first,
+               std::size_t last) {
+  constexpr std::size_t kReadings = 6;
+  constexpr std::size_t kReach = 12;
+  constexpr std::size_t kFewest = 3;
+  const std::size_t end = begin + suspects.size();
+  const auto x = [&](std::size_t r) { return residuals[static_cast<Eigen::Index>(r)]; };
+  std::vector<std::size_t> before;
+  std::vector<std::size_t> after;
+  const auto gather = [&](bool also_suspects) {
+    before.clear();
+    after.clear();
+    for (std::size_t r = first; r > begin && first - r < kReach && before.size() < kReadings; --r) {
+      if (rows[r - 1].block != rows[first].block) break;
+      if (also_suspects || !suspects[r - 1 - begin]) before.push_back(r - 1);
+    }
+    for (std::size_t r = last; r < end && r - last < kReach && after.size() < kReadings; ++r) {
+      if (rows[r].block != rows[last - 1].block) break;
+      if (also_suspects || !suspects[r - begin]) after.push_back(r);
+    }
+  };
+  gather(false);
+  // at an end of the block the nearest count, whatever is thought of them
+  if (before.size() < kFewest || after.size() < kFewest) gather(true);
+  Sides sides;
+  if (before.size() < kFewest && after.size() < kFewest) return sides;
+  std::vector<double> slopes;
+  for (const auto& side : {before, after})
+    for (std::size_t a = 0; a < side.size(); ++a)
+      for (std::size_t b = a + 1; b < side.size(); ++b)
+        slopes.push_back((x(side[b]) - x(side[a])) /
+                         (static_cast<double>(side[b]) - static_cast<double>(side[a])));
+  const double slope = median(slopes);
+  const double middle = 0.5 * static_cast<double>(first + last - 1);
+  const auto level = [&](const std::vector<std::size_t>& side) {
+    std::vector<double> levels;
+    levels.reserve(side.size());
+    for (const std::size_t r : side)
+      levels.push_back(x(r) + slope * (middle - static_cast<double>(r)));
+    return median(levels);
+  };
+  sides.any = true;
+  sides.before = level(before.size() < kFewest ? after : before);
+  sides.after = level(after.size() < kFewest ? before : after);
+  return sides;
+}
+
 }  // namespace
 
 std::vector<Outlier> find_outliers(const DataSet& data, const std::vector<Row>& rows,
@@ -133,12 +191,20 @@ std::vector<Outlier> find_outliers(const DataSet& data, const std::vector<Row>& 
     const auto is_far = [&](std::size_t k) {
       return size[k] > options.threshold * std::max(whole, scale[k]) && size[k] > smallest;
     };
+    std::vector<bool> suspects(deviation.size());
+    for (std::size_t k = 0; k < deviation.size(); ++k) suspects[k] = is_far(k);
     for (std::size_t k = 0; k < deviation.size();) {
       std::size_t stop = k;
-      while (stop < deviation.size() && is_far(stop)) ++stop;
+      while (stop < deviation.size() && suspects[stop]) ++stop;
       if (stop > k && static_cast<int>(stop - k) <= options.longest) {
+        const Sides sides = sides_of(rows, residuals, suspects, first, first + k, first + stop);
         for (std::size_t j = k; j < stop; ++j) {
           const Row& row = rows[first + j];
+          // a reading beside a step, or on its way, is as good as one of its sides
+          const double x = residuals[static_cast<Eigen::Index>(first + j)];
+          const double apart = std::max({std::min(sides.before, sides.after) - x,
+                                         x - std::max(sides.before, sides.after), 0.0});
+          if (sides.any && apart <= 0.5 * options.threshold * std::max(whole, scale[j])) continue;
           found.push_back({row.curve, row.channel, row.frame, -deviation[j] * sigma,
                            size[j] / std::max({whole, scale[j], 1e-12})});
         }

@@ -6,7 +6,9 @@
 // pull by fits and starts counts. What is left is scaled by the median absolute deviation, of the
 // whole channel or of the neighbourhood, whichever is larger, and never by less than the channel's
 // resolution. Readings farther than `threshold` such deviations, and farther than a share of the
-// channel's range, that come alone or in threes at most (in time) are outliers.
+// channel's range, that come alone or in threes at most (in time) are outliers, unless the level
+// before them differs from the level after them and they lie at one of the two or between: a
+// reading beside a step is a good one.
 #pragma once
 
 #include <Eigen/Core>

@@ -52,6 +52,18 @@ TEST(Convexity, NegativeStiffnessIsNotStable) {
   EXPECT_EQ(found.frames, 11);
 }
 
+TEST(Convexity, ComparesTwoModelsFrameByFrame) {
+  const model::Model stable = cloth(600.0, 800.0, 150.0);
+  const model::Model run_away = cloth(400.0, 900.0, 900.0);
+  const int frames = convexity(run_away, biaxial()).frames;
+  ASSERT_GT(frames, 5);
+  EXPECT_EQ(frames_made_unstable(stable, run_away, biaxial()), frames);
+  EXPECT_EQ(frames_made_unstable(run_away, stable, biaxial()), 0);
+  EXPECT_EQ(frames_made_unstable(run_away, run_away, biaxial()), 0);
+  // a ten-thousandth of instability is within the slack
+  EXPECT_EQ(frames_made_unstable(stable, cloth(-0.08, 800.0, 0.0), biaxial()), 0);
+}
+
 TEST(Convexity, WhatRemembersDoesNotCount) {
   model::Model model = cloth(600.0, 800.0, 150.0);
   model::Term set = model.terms.front();

@@ -70,13 +70,47 @@ TEST(Noise, TheFirstOfThreeRunsIsKeptApart) {
   EXPECT_NEAR(noise_of(c).channels[0][0].sigma, plain, 1e-9);
 }
 
+TEST(Noise, IsUnbiasedForAnyNumberOfRepeats) {
+  // the first run is kept apart: one more is made than repeats count
+  for (const int repeats : {3, 4, 5, 8}) {
+    double power = 0.0;
+    constexpr unsigned kSeeds = 40;
+    for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+      const Noise noise = noise_of(white({.runs = repeats + 1, .frames = 60}, 0.3, 1.7, seed));
+      for (const ChannelNoise& channel : noise.channels[0])
+        power += channel.repeat_sigma * channel.repeat_sigma / (2.0 * kSeeds);
+    }
+    // 4,800 (repeats - 1) values of 30 points at least: standard error of the variance below 1.5 %
+    EXPECT_NEAR(power, 0.09, 0.09 * 0.045) << repeats << " repeats";
+  }
+}
+
 TEST(Noise, OneRunsAccidentDoesNotPassForIt) {
-  // a slip of five standard deviations on one branch of one run
-  Case c = white({.runs = 6, .frames = 60}, 0.3, 1.0, 3);
-  for (std::size_t r = 0; r < c.rows.size(); ++r)
-    if (c.rows[r].frame >= 4 * 121 && c.rows[r].frame < 4 * 121 + 61)
-      c.residuals[static_cast<Eigen::Index>(r)] += 1.5;
-  EXPECT_LT(noise_of(c).channels[0][0].sigma, 1.5 * 0.3);
+  // a slip of so many standard deviations on one branch of one run
+  for (const int runs : {4, 5, 6, 9}) {
+    for (const double slip : {5.0, 20.0, 100.0}) {
+      Case c = white({.runs = runs, .frames = 60}, 0.3, 1.0, 3);
+      const Noise plain = noise_of(c);
+      for (std::size_t r = 0; r < c.rows.size(); ++r)
+        if (c.rows[r].channel == 0 && c.rows[r].frame >= 2 * 121 && c.rows[r].frame < 2 * 121 + 61)
+          c.residuals[static_cast<Eigen::Index>(r)] += slip * 0.3;
+      const Noise noise = noise_of(c);
+      // the run that slipped counts as twice as loud as the others at most, once
+      const double sequences = 2.0 * (runs - 1);
+      const double most = std::sqrt((sequences + 3.0) / sequences);
+      EXPECT_LT(noise.channels[0][0].sigma, 1.08 * most * plain.channels[0][0].sigma)
+          << runs << " runs, slip " << slip;
+      EXPECT_DOUBLE_EQ(noise.channels[0][1].sigma, plain.channels[0][1].sigma);
+      // and the others do not hear it
+      int loud = 0;
+      for (const auto& sequence : noise.sequences) {
+        double power = 0.0;
+        for (const double v : sequence) power += v * v / static_cast<double>(sequence.size());
+        loud += power > 1.5 * 1.5 ? 1 : 0;
+      }
+      EXPECT_LE(loud, 1) << runs << " runs, slip " << slip;
+    }
+  }
 }
 
 TEST(Noise, WithoutRepeatsIsTheScatterOfNeighbours) {

@@ -90,16 +90,47 @@ TEST(Outliers, AreFoundWhereReadingsStandAlone) {
   EXPECT_GE(found, planted * 9 / 10);
 }
 
-TEST(Outliers, AStepIsNotOneButForTheReadingsBesideIt) {
+TEST(Outliers, AStepIsNone) {
   // blocks of channel 0: 0..25 up, 26..50 down, and so on; a step well inside any of them, for
-  // good. A line through the neighbours straddles the step: the diagnosis looks again at readings
-  // beside a slip that it found
-  for (const int at : {8, 16, 32, 43, 59, 84, 94, 170}) {
+  // good, with and without a smooth misfit
+  for (const double bias : {0.0, 10.0}) {
+    for (const double step : {-40.0, 15.0, 20.0, 100.0}) {
+      for (const int at : {8, 16, 32, 43, 59, 84, 94, 170}) {
+        Readings readings = noisy(3, 4, 25, bias);
+        for (Eigen::Index r = at; r < 204; ++r) readings.residuals[r] += step;
+        EXPECT_EQ(count(readings), 0U) << "step of " << step << " at " << at << ", bias " << bias;
+      }
+    }
+  }
+}
+
+TEST(Outliers, AStepInTwoIsNone) {
+  for (const double share : {0.3, 0.5, 0.7}) {
     Readings readings = noisy(3, 4, 25, 0.0);
-    for (Eigen::Index r = at; r < 204; ++r) readings.residuals[r] += 20.0;
-    const auto outliers = find_outliers(*readings.data, readings.rows, readings.residuals, {});
-    EXPECT_LE(outliers.size(), 3U) << "step at " << at;
-    for (const Outlier& o : outliers) EXPECT_LE(std::abs(o.frame - at), 3) << "step at " << at;
+    readings.residuals[43] += 30.0 * share;
+    for (Eigen::Index r = 44; r < 204; ++r) readings.residuals[r] += 30.0;
+    EXPECT_EQ(count(readings), 0U) << share;
+  }
+}
+
+TEST(Outliers, AreFoundBesideAStepAndInRows) {
+  // one or two eight readings behind a step, three in mid branch
+  for (const int length : {1, 2, 3}) {
+    int exact = 0;
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+      Readings readings = noisy(seed, 4, 25, 3.0);
+      if (length < 3)
+        for (Eigen::Index r = 33; r < 204; ++r) readings.residuals[r] += 20.0;
+      for (Eigen::Index r = 41; r < 41 + length; ++r) readings.residuals[r] -= 30.0;
+      std::vector<int> frames;
+      for (const Outlier& o : find_outliers(*readings.data, readings.rows, readings.residuals, {}))
+        frames.push_back(o.frame);
+      std::vector<int> planted;
+      for (int r = 41; r < 41 + length; ++r)
+        planted.push_back(readings.rows[static_cast<std::size_t>(r)].frame);
+      exact += frames == planted ? 1 : 0;
+    }
+    EXPECT_GE(exact, 17) << length << " in a row";
   }
 }
 

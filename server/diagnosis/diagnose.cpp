@@ -8,9 +8,10 @@
 #include <set>
 #include <thread>
 
-#include "server/diagnosis/checklist.h"
+#include "server/diagnosis/checks/checklist.h"
 #include "server/diagnosis/checks/refined_solve.h"
 #include "server/diagnosis/checks/repeats_check.h"
+#include "server/diagnosis/gain.h"
 #include "server/diagnosis/model_edit.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/score.h"
@@ -250,50 +251,6 @@ void confirm_outliers(Diagnosis& d) {
   });
 }
 
-std::optional<estimation::HeldOut> held_out(const Reference& at, const DataPointer& data,
-                                            const estimation::Folds& folds) {
-  auto evaluator = estimation::Evaluator::make(at.model, data);
-  if (!evaluator) return std::nullopt;
-  estimation::FitOptions options;
-  options.max_iterations = 40;
-  estimation::HeldOut result = estimation::cross_validate(*evaluator, at.model, folds, options);
-  if (!result.usable) return std::nullopt;
-  return result;
-}
-
-/// Scores of baseline and extended model, in sample and held out, in all and per capture.
-void measure_gain(Diagnosis& d, const Options& options, const Control& control) {
-  const auto rows = d.data->rows();
-  d.before = score_of(*d.data, rows, d.baseline.fit.residuals, -1);
-  d.after = score_of(*d.data, rows, d.extended.fit.residuals, -1);
-  d.noise_floor = noise_floor_of(*d.data, rows, d.noise, -1);
-  control.report({"held out", "", 0, d.extended.fit.chi2, 0.9});
-  std::optional<estimation::HeldOut> before;
-  std::optional<estimation::HeldOut> after;
-  for (const std::string& kind : estimation::fold_kinds()) {
-    if (options.leave_out != "auto" && options.leave_out != kind) continue;
-    estimation::Folds folds = estimation::make_folds(*d.data, rows, kind);
-    estimation::keep_determined(folds, d.extended.fit,
-                                estimation::added_parameters(d.extended.model, d.baseline.model));
-    if (folds.training.size() < 2) continue;
-    before = held_out(d.baseline, d.data, folds);
-    after = held_out(d.extended, d.data, folds);
-    d.held_out_kind = kind;
-    break;
-  }
-  if (before) d.held_out_before = score_of(*d.data, rows, before->residuals, -1);
-  if (after) d.held_out_after = score_of(*d.data, rows, after->residuals, -1);
-  for (int i = 0; i < static_cast<int>(d.curves.size()); ++i) {
-    CaptureScore score;
-    score.before = score_of(*d.data, rows, d.baseline.fit.residuals, i);
-    score.after = score_of(*d.data, rows, d.extended.fit.residuals, i);
-    score.noise_floor = noise_floor_of(*d.data, rows, d.noise, i);
-    if (before) score.held_out_before = score_of(*d.data, rows, before->residuals, i);
-    if (after) score.held_out_after = score_of(*d.data, rows, after->residuals, i);
-    d.captures.push_back(score);
-  }
-}
-
 Expected<Diagnosis> begin(const Request& request, const Control& control) {
   auto prepared = prepare(request, control);
   if (!prepared) return tl::unexpected(prepared.error());
@@ -330,12 +287,18 @@ Expected<Diagnosis> begin_refined(const Request& request, const Control& control
   return better;
 }
 
-/// Once more for the extended model; true where a better optimum took its place.
+/// Once more for the extended model; true where a better optimum took its place: one that also
+/// predicts what it did not see at least as well.
 bool refine_extended(Diagnosis& d, Reference& current, const Request& request,
                      const Control& control) {
   const auto keep_on = [&] { return !control.stop.stop_requested(); };
   RefinedSolve solve =
       refined_solve(current, d.data, whole_data(d, d.outliers), request.options.seed + 7, keep_on);
+  if (solve.better &&
+      !predicts_as_well(*solve.better, current, d.baseline, d.data, request.options.leave_out)) {
+    solve.better.reset();
+    solve.overfits = true;
+  }
   check_refined_solve(d, solve, "the extended model");
   if (!solve.better) return false;
   current = std::move(*solve.better);

@@ -8,7 +8,7 @@
 #include <map>
 #include <random>
 
-#include "server/diagnosis/convexity.h"
+#include "server/diagnosis/checks/convexity.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/score.h"
 
@@ -307,7 +307,11 @@ void check_refined_solve(Diagnosis& d, const RefinedSolve& solve, const std::str
   else
     d.checklist.push_back({"WARNING",
                            "A refined solve of " + whose + " changes the misfit (" + solve.effect +
-                               ")" + (solve.better ? "; the better optimum is used" : ""),
+                               ")" +
+                               (solve.better     ? "; the better optimum is used"
+                                : solve.overfits ? "; the other optimum predicts left-out data "
+                                                   "worse and is not used"
+                                                 : ""),
                            figures});
 }
 

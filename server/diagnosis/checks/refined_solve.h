@@ -37,6 +37,7 @@ struct RefinedSolve {
   /// Takes the fit's place: better by more than kNumericalShare, or the end of a fit that had
   /// stopped early.
   std::optional<Reference> better;
+  bool overfits = false;  ///< there was a better one, but it predicted left-out data worse
 
   /// What a movement must exceed.
   double threshold() const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/convexity.h"
+#include "server/diagnosis/checks/convexity.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/checklist.h"
+#include "server/diagnosis/checks/checklist.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
-#include "server/diagnosis/convexity.h"
+#include "server/diagnosis/checks/convexity.h"
 
 namespace tenter::diagnosis {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The models that come with Tenter, by name: the five membrane models of the thesis, the three cloth
-// models with bending, their spline variants, and four solids. Each is a document under presets/; values are neutral starting points for a fit,
-// not measurements.
+// The models that come with Tenter, by name: the five membrane models of the thesis, the three
+// cloth models with bending, their spline variants, and four solids. Each is a document under
+// presets/; values are neutral starting points for a fit, not measurements.
 #pragma once
 
 #include <string>

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "server/mechanics/elements/lanes.h"
+
 namespace tenter::mechanics {
 namespace {
 

@@ -22,12 +22,10 @@
 #include <array>
 #include <vector>
 
-#include "server/mechanics/elements/lanes.h"
+#include "server/mechanics/elements/chunk.h"
 #include "server/mechanics/elements/node_matrix.h"
 
 namespace tenter::mechanics {
-
-constexpr int kChunk = 64;  ///< elements per call of measures and laws
 
 /// Number of entries of C in D dimensions, and of the upper triangle over them.
 constexpr int c_entries(int dimensions) {

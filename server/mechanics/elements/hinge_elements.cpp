@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "server/mechanics/elements/lanes.h"
+
 namespace tenter::mechanics {
 namespace {
 

@@ -22,7 +22,7 @@
 #include <array>
 #include <vector>
 
-#include "server/mechanics/elements/lanes.h"
+#include "server/mechanics/elements/chunk.h"
 #include "server/mechanics/elements/node_matrix.h"
 
 namespace tenter::mechanics {

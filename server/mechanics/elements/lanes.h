@@ -5,9 +5,13 @@
 // that works on lanes is marked TENTER_KERNEL: it is compiled for AVX-512, AVX2 and the baseline,
 // and the processor's own version is chosen when the program is loaded. On one machine the same
 // input gives the same bytes, whatever the thread.
+//
+// For the sources of kernels only: a header that others read must not pass Lanes around.
 #pragma once
 
 #include <cmath>
+
+#include "server/mechanics/elements/chunk.h"
 
 #if defined(__clang__) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define TENTER_KERNEL  // one version: the sanitizers do not follow the choice at load time
@@ -18,7 +22,6 @@
 
 namespace tenter::mechanics {
 
-constexpr int kLanes = 8;
 typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
 
 /// The same eight numbers anywhere in an array of double.

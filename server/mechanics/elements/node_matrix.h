@@ -7,6 +7,7 @@
 // mesh; adding goes through slots that were looked up once.
 #pragma once
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 

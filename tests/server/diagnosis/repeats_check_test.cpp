@@ -27,7 +27,7 @@ RepeatsCheck check(int runs, unsigned seed, int odd_run, double factor, Diagnosi
   const auto [noise, weighed] = reweigh(data, data->rows(), at->fit.residuals);
   const auto again = make_reference(at->model, weighed, {});
   EXPECT_TRUE(again);
-  const RepeatsCheck result = check_repeats(*again, weighed, noise, examine(weighed->curves), seed);
+  RepeatsCheck result = check_repeats(*again, weighed, noise, examine(weighed->curves), seed);
   report_repeats(d, result);
   return result;
 }

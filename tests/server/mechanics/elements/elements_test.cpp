@@ -5,15 +5,11 @@
 
 #include "server/mechanics/elements/from_mesh.h"
 #include "server/mechanics/mesh/grid.h"
+#include "tests/server/mechanics/elements/element_checks.h"
 #include "tests/server/mechanics/elements/random_energy.h"
 
 namespace tenter::mechanics {
 namespace {
-
-struct Answer {
-  double energy = 0.0;
-  Eigen::VectorXd gradient;
-};
 
 /// The sum over all chunks; the stiffness goes into `matrix` where one is given.
 template <class Elements>
@@ -44,35 +40,17 @@ Eigen::VectorXd shaken(const Eigen::Matrix3Xd& rest, double by, unsigned seed) {
 
 /// Gradient and stiffness of some nodes against differences, and no net force.
 template <class Elements>
-void check_derivatives(Elements elements, const Eigen::VectorXd& x, double spacing) {
+void check_elements(Elements elements, const Eigen::VectorXd& x, double spacing) {
   ASSERT_GT(elements.count(), kChunk) << "more than one chunk";
   ASSERT_NE(elements.count() % kLanes, 0) << "lanes that stay empty";
   const int nodes = static_cast<int>(x.size() / 3);
   NodeMatrix matrix(nodes, coupled_nodes(elements));
   elements.slots = block_slots(matrix, elements.nodes);
   const RandomEnergy energy(elements.count(), Elements::kEntries, 11);
-  const Answer answer = evaluate(elements, energy, x, &matrix);
-  testing::Comparison gradient("gradient");
-  testing::Comparison stiffness("stiffness");
-  for (Eigen::Index i = 0; i < x.size(); i += 7) {
-    const auto moved = [&](double value) {
-      Eigen::VectorXd y = x;
-      y[i] = value;
-      return evaluate(elements, energy, y, nullptr);
-    };
-    const double step = 1e-3 * spacing;
-    gradient.add(answer.gradient[i],
-                 testing::difference([&](double v) { return moved(v).energy; }, x[i], step));
-    const Eigen::VectorXd column = testing::difference(
-        [&](double v) { return Eigen::VectorXd(moved(v).gradient); }, x[i], step);
-    Eigen::VectorXd unit = Eigen::VectorXd::Zero(x.size());
-    Eigen::VectorXd product = unit;
-    unit[i] = 1.0;
-    matrix.multiply_add(unit.data(), product.data());
-    for (Eigen::Index j = 0; j < x.size(); ++j) stiffness.add(product[j], column[j]);
-  }
-  gradient.judge(1e-8);
-  stiffness.judge(1e-8);
+  const Answer answer =
+      check_derivatives([&](const Eigen::VectorXd& y,
+                            NodeMatrix* into) { return evaluate(elements, energy, y, into); },
+                        matrix, x, 1e-3 * spacing, 1e-8);
 
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
@@ -97,20 +75,19 @@ TEST(ElementsTest, Edges) {
   const auto mesh = grid_mesh(grid, Diagonals::alternating);
   const auto springs = grid_springs(grid);
   ASSERT_TRUE(mesh && springs);
-  check_derivatives(edge_elements(springs->ring1), shaken(in_space(mesh->material_m), 0.03, 1),
-                    0.1);
+  check_elements(edge_elements(springs->ring1), shaken(in_space(mesh->material_m), 0.03, 1), 0.1);
 }
 
 TEST(ElementsTest, Triangles) {
   const auto mesh = grid_mesh({8, 6, 0.7, 0.5}, Diagonals::alternating);
   ASSERT_TRUE(mesh);
-  check_derivatives(triangle_elements(*mesh), shaken(in_space(mesh->material_m), 0.03, 2), 0.1);
+  check_elements(triangle_elements(*mesh), shaken(in_space(mesh->material_m), 0.03, 2), 0.1);
 }
 
 TEST(ElementsTest, Tetrahedra) {
   const auto mesh = box_tetrahedra(3, 3, 2, {0.3, 0.3, 0.2});
   ASSERT_TRUE(mesh);
-  check_derivatives(tetrahedron_elements(*mesh), shaken(mesh->rest_m, 0.02, 3), 0.1);
+  check_elements(tetrahedron_elements(*mesh), shaken(mesh->rest_m, 0.02, 3), 0.1);
 }
 
 TEST(ElementsTest, HexahedronPoints) {
@@ -130,7 +107,7 @@ TEST(ElementsTest, HexahedronPoints) {
               points.measure[static_cast<std::size_t>(e)]);
   }
   fewer.finish();
-  check_derivatives(fewer, shaken(mesh->rest_m, 0.02, 4), 0.1);
+  check_elements(fewer, shaken(mesh->rest_m, 0.02, 4), 0.1);
 }
 
 // F of a homogeneous deformation comes back exactly, on every kind of element.

@@ -5,15 +5,11 @@
 
 #include "server/mechanics/elements/from_mesh.h"
 #include "server/mechanics/mesh/grid.h"
+#include "tests/server/mechanics/elements/element_checks.h"
 #include "tests/server/mechanics/elements/random_energy.h"
 
 namespace tenter::mechanics {
 namespace {
-
-struct Answer {
-  double energy = 0.0;
-  Eigen::VectorXd gradient;
-};
 
 Answer evaluate(const HingeElements& hinges, const RandomEnergy& energy, const Eigen::VectorXd& x,
                 NodeMatrix* matrix) {
@@ -44,7 +40,7 @@ Eigen::VectorXd crumpled(const SurfaceMesh& mesh, double by, unsigned seed) {
   return x;
 }
 
-void check_derivatives(double crumple, double step) {
+void check_hinges(double crumple, double step) {
   const auto mesh = grid_mesh({7, 6, 0.6, 0.5}, Diagonals::alternating);
   ASSERT_TRUE(mesh);
   HingeElements hinges = hinge_elements(mechanics::hinges(*mesh));
@@ -53,34 +49,16 @@ void check_derivatives(double crumple, double step) {
   hinges.slots = block_slots(matrix, hinges.nodes);
   const RandomEnergy energy(hinges.count(), 1, 21);
   const Eigen::VectorXd x = crumpled(*mesh, crumple, 22);
-  const Answer answer = evaluate(hinges, energy, x, &matrix);
-  testing::Comparison gradient("gradient");
-  testing::Comparison stiffness("stiffness");
-  for (Eigen::Index i = 0; i < x.size(); i += 5) {
-    const auto moved = [&](double value) {
-      Eigen::VectorXd y = x;
-      y[i] = value;
-      return evaluate(hinges, energy, y, nullptr);
-    };
-    gradient.add(answer.gradient[i],
-                 testing::difference([&](double v) { return moved(v).energy; }, x[i], step));
-    const Eigen::VectorXd column = testing::difference(
-        [&](double v) { return Eigen::VectorXd(moved(v).gradient); }, x[i], step);
-    Eigen::VectorXd unit = Eigen::VectorXd::Zero(x.size());
-    Eigen::VectorXd product = unit;
-    unit[i] = 1.0;
-    matrix.multiply_add(unit.data(), product.data());
-    for (Eigen::Index j = 0; j < x.size(); ++j) stiffness.add(product[j], column[j]);
-  }
-  gradient.judge(1e-7);
-  stiffness.judge(1e-6);
+  check_derivatives(
+      [&](const Eigen::VectorXd& y, NodeMatrix* into) { return evaluate(hinges, energy, y, into); },
+      matrix, x, step, 1e-7);
 }
 
 TEST(HingeElementsTest, DerivativesNearlyFlat) {
-  check_derivatives(1e-3, 1e-5);
+  check_hinges(1e-3, 1e-5);
 }
 TEST(HingeElementsTest, DerivativesBent) {
-  check_derivatives(0.02, 1e-5);
+  check_hinges(0.02, 1e-5);
 }
 
 TEST(HingeElementsTest, TheAngleIsThatOfTheMesh) {

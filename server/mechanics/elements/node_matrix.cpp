@@ -2,6 +2,7 @@
 #include "server/mechanics/elements/node_matrix.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tenter::mechanics {
 
@@ -27,6 +28,13 @@ int NodeMatrix::slot(int i, int j) const {
   const auto first = row_.begin() + column_start_[static_cast<std::size_t>(j)];
   const auto last = row_.begin() + column_start_[static_cast<std::size_t>(j) + 1];
   return static_cast<int>(std::lower_bound(first, last, i) - row_.begin());
+}
+
+bool NodeMatrix::is_finite() const {
+  // a sum is finite only where all are; differences of infinities are not
+  double sum = 0.0;
+  for (const double v : values_) sum += v;
+  return std::isfinite(sum);
 }
 
 void NodeMatrix::multiply_add(const double* x, double* y) const {

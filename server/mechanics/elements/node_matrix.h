@@ -33,6 +33,8 @@ class NodeMatrix {
     return values_.data() + 9 * static_cast<std::ptrdiff_t>(slot);
   }
 
+  bool is_finite() const;
+
   /// y += A x over all nodes (3 numbers a node).
   void multiply_add(const double* x, double* y) const;
 

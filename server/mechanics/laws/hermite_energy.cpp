@@ -54,7 +54,8 @@ HermiteEnergyLaw::HermiteEnergyLaw(int points, double range_lo, double range_hi)
 
 HermiteEnergyLaw::Place HermiteEnergyLaw::place_of(double strain) const {
   const double x = (strain - lo_) / width_;
-  int interval = static_cast<int>(std::clamp(x, 0.0, intervals_ - 0.5));
+  // in this order an x that is no number has a place, and gives no number
+  int interval = static_cast<int>(std::max(0.0, std::min(intervals_ - 0.5, x)));
   if (x < 0.0) interval = -1;
   if (x > intervals_) interval = intervals_;
   return {interval, x - interval};

@@ -128,9 +128,14 @@ double SplineLaw::end_value(int basis, bool upper) const {
   return upper ? p.c[0] + p.c[1] + p.c[2] + p.c[3] : p.c[0];
 }
 
+// in this order an x that is no number has a place, and gives no number
+int SplineLaw::interval_of(double x) const {
+  return static_cast<int>(std::max(0.0, std::min(intervals_ - 0.5, x)));
+}
+
 double SplineLaw::moment_from_lo(int basis, double strain, int power) const {
   const double x = (strain - lo_) / width_;
-  const int i = std::clamp(static_cast<int>(std::floor(x)), 0, intervals_ - 1);
+  const int i = interval_of(x);
   const double t = std::clamp(x - i, 0.0, 1.0);
   const Piece& p = piece(basis, i);
   const double start = lo_ + i * width_;
@@ -151,7 +156,7 @@ double SplineLaw::moment_from_lo(int basis, double strain, int power) const {
 
 SplineLaw::Basis SplineLaw::evaluate_basis(int basis, double strain) const {
   const double x = (strain - lo_) / width_;
-  const int i = std::clamp(static_cast<int>(std::floor(x)), 0, intervals_ - 1);
+  const int i = interval_of(x);
   const double t = std::clamp(x - i, 0.0, 1.0);
   const Piece& p = piece(basis, i);
   Basis b;

@@ -55,6 +55,7 @@ class SplineLaw final : public Law {
   double end_value(int basis, bool upper) const;
   /// Integral of B(s) s^power from the first control point to the strain.
   double moment_from_lo(int basis, double strain, int power) const;
+  int interval_of(double x) const;
   Basis evaluate_basis(int basis, double strain) const;
 
   Form form_;

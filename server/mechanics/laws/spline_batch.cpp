@@ -81,7 +81,8 @@ void SplineLaw::evaluate_batch(const double* parameters, const LawBatch& batch) 
       const double eps = strain[e];
       const double x =
           (eps - lo_) / width_;  // divided, so that an end is the same end as in evaluate()
-      const double within = std::clamp(x, 0.0, last);
+      // in this order an x that is no number has a place, and gives no number
+      const double within = std::max(0.0, std::min(last, x));
       int interval = std::min(static_cast<int>(within), intervals_ - 1);
       if (x < 0.0) interval = -1;
       if (x > last) interval = intervals_;

@@ -19,7 +19,7 @@ struct Answer {
 template <class Evaluate>
 Answer check_derivatives(const Evaluate& evaluate, NodeMatrix& matrix, const Eigen::VectorXd& x,
                          double step, double relative) {
-  const Answer answer = evaluate(x, &matrix);
+  Answer answer = evaluate(x, &matrix);
   testing::Comparison gradient("gradient");
   testing::Comparison stiffness("stiffness");
   for (Eigen::Index i = 0; i < x.size(); i += 7) {

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A model bound to a cloth: energy, forces, stiffness, and how the forces change with every
+// parameter.
+//
+//   E(x, p) = sum over terms, over the elements of the term's measure   m w psi(eps(x), p)
+//
+// m: area of the element, w: weight of the term's support there, psi: energy per area (N/m) of the
+// law. Path-dependent laws answer as never strained before. Terms on the same elements are summed
+// before nodes are touched: elements/ turns the sum into forces and 3 x 3 blocks once.
+//
+//   auto model = ClothModel::make(description, cloth);
+//   NodeMatrix matrix = model->matrix();
+//   status = model->evaluate(x, parameters, {&energy, &gradient, &matrix});
+//
+// Positions x: 3 numbers a node (m), in the order of the mesh. Outputs are over all nodes: at a
+// node that is held, the gradient is the reaction. Exact; O(elements x terms). Immutable: callable
+// from any thread; nothing allocates.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "common/base/error.h"
+#include "common/model/model.h"
+#include "server/mechanics/assembly/cloth.h"
+#include "server/mechanics/elements/node_matrix.h"
+
+namespace tenter::mechanics {
+
+enum class AssemblyStatus {
+  ok,
+  not_finite  ///< an element has collapsed (an edge or a triangle's height of zero length) or a law
+              ///< left the range of numbers; outputs are not to be used
+};
+
+/// Null: not wanted. All are overwritten.
+struct ClothOutput {
+  double* energy = nullptr;             ///< J
+  Eigen::VectorXd* gradient = nullptr;  ///< dE/dx, N: minus the internal force
+  NodeMatrix* stiffness = nullptr;      ///< d2E/dx2, N/m; from matrix()
+};
+
+class ClothModel {
+ public:
+  /// bad_input names the term: a solid's strain, an unknown name, an rbf support without two
+  /// coordinates, or a measure of which this cloth has no element.
+  static Expected<ClothModel> make(const model::Model& model, const Cloth& cloth);
+
+  int node_count() const { return node_count_; }
+  int parameter_count() const { return parameter_count_; }
+  /// Zero, with the pattern of the stiffness.
+  NodeMatrix matrix() const { return matrix_; }
+
+  [[nodiscard]] AssemblyStatus evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
+                                        const ClothOutput& output) const;
+
+  /// d2E/dx dp: (3 nodes) x parameters, column by column.
+  [[nodiscard]] AssemblyStatus gradient_by_parameter(const Eigen::VectorXd& x,
+                                                     const Eigen::VectorXd& parameters,
+                                                     Eigen::MatrixXd& result) const;
+
+  class Group;  ///< elements of one kind, and the terms on them (element_group.h)
+
+ private:
+  int node_count_ = 0;
+  int parameter_count_ = 0;
+  NodeMatrix matrix_;
+  std::vector<std::shared_ptr<const Group>> groups_;
+};
+
+}  // namespace tenter::mechanics

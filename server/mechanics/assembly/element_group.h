@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Elements of one kind and the terms that act on them: what ClothModel is made of.
+#pragma once
+
+#include <algorithm>
+#include <utility>
+
+#include "server/mechanics/assembly/chunk_strain.h"
+#include "server/mechanics/assembly/cloth_model.h"
+#include "server/mechanics/elements/from_mesh.h"
+
+namespace tenter::mechanics {
+
+/// What the elements of a hinge group see; the others see entries of C.
+inline void see(const HingeElements& elements, const double* x, int first, int count, double* z) {
+  hinge_angles(elements, x, first, count, z);
+}
+template <int N, int D>
+void see(const GradientElements<N, D>& elements, const double* x, int first, int count, double* z) {
+  cauchy_green(elements, x, first, count, z);
+}
+
+struct GroupTerm {
+  std::shared_ptr<const ChunkStrain> strain;
+  std::shared_ptr<const Law> law;
+  int first_parameter = 0;
+  std::vector<double> measure;  ///< m^2: the element's, times the weight of the support there
+};
+
+class ClothModel::Group {
+ public:
+  virtual ~Group() = default;
+  /// Adds to what is wanted of `output`.
+  virtual void add(const double* x, const double* parameters, const ClothOutput& output) const = 0;
+  /// Adds d2E/dx dp into the columns of its own parameters.
+  virtual void add_by_parameter(const double* x, const double* parameters,
+                                Eigen::MatrixXd& result) const = 0;
+  virtual std::vector<std::pair<int, int>> pairs() const = 0;
+  virtual void find_slots(const NodeMatrix& matrix) = 0;
+
+  std::vector<GroupTerm> terms;
+};
+
+/// `Z`: how many numbers the elements see.
+template <class Elements, int Z>
+class ElementGroup final : public ClothModel::Group {
+ public:
+  explicit ElementGroup(Elements elements) : elements_(std::move(elements)) {}
+
+  const Elements& elements() const { return elements_; }
+  std::vector<std::pair<int, int>> pairs() const override { return coupled_nodes(elements_); }
+  void find_slots(const NodeMatrix& matrix) override {
+    elements_.slots = block_slots(matrix, elements_.nodes);
+  }
+
+  void add(const double* x, const double* parameters, const ClothOutput& output) const override {
+    const bool wants_forces = output.gradient || output.stiffness;
+    Chunk chunk;
+    for (int first = 0; first < elements_.count(); first += kChunk) {
+      const int count = std::min(kChunk, elements_.count() - first);
+      double psi_z[Z * kChunk] = {};
+      double psi_zz[c_entries(Z) * kChunk] = {};
+      see(elements_, x, first, count, chunk.z);
+      for (const GroupTerm& term : terms) {
+        LawBatch batch = chunk.batch(count, output.energy != nullptr, output.stiffness != nullptr);
+        term.strain->strains(chunk.z, first, count, chunk.strain);
+        term.law->evaluate_batch(parameters + term.first_parameter, batch);
+        const double* measure = term.measure.data() + first;
+        if (output.energy)
+          for (int e = 0; e < count; ++e) *output.energy += measure[e] * chunk.energy[e];
+        if (wants_forces)
+          term.strain->chain(chunk.z, first, batch, measure, psi_z,
+                             output.stiffness ? psi_zz : nullptr);
+      }
+      if (output.gradient) add_gradient(elements_, x, first, count, psi_z, output.gradient->data());
+      if (output.stiffness)
+        add_stiffness(elements_, x, first, count, psi_z, psi_zz, *output.stiffness);
+    }
+  }
+
+  void add_by_parameter(const double* x, const double* parameters,
+                        Eigen::MatrixXd& result) const override {
+    Chunk chunk;
+    for (int first = 0; first < elements_.count(); first += kChunk) {
+      const int count = std::min(kChunk, elements_.count() - first);
+      see(elements_, x, first, count, chunk.z);
+      for (const GroupTerm& term : terms) {
+        term.strain->strains(chunk.z, first, count, chunk.strain);
+        for (int p = 0; p < term.law->parameter_count(); ++p) {
+          const LawBatch batch = chunk.batch(count, false, false);
+          stress_by_parameter(term, parameters, p, chunk, count);
+          double psi_z[Z * kChunk] = {};
+          term.strain->chain(chunk.z, first, batch, term.measure.data() + first, psi_z, nullptr);
+          add_gradient(elements_, x, first, count, psi_z,
+                       result.col(term.first_parameter + p).data());
+        }
+      }
+    }
+  }
+
+ private:
+  /// One chunk on the stack.
+  struct Chunk {
+    double z[Z * kChunk];
+    double strain[kMaxStrains * kChunk];
+    double energy[kChunk];
+    double stress[kMaxStrains * kChunk];
+    double tangent[kMaxStrains * kMaxStrains * kChunk];
+
+    LawBatch batch(int count, bool wants_energy, bool wants_tangent) {
+      LawBatch result;
+      result.count = count;
+      result.energy = wants_energy ? energy : nullptr;
+      for (int i = 0; i < kMaxStrains; ++i) {
+        result.strain[i] = strain + i * kChunk;
+        result.stress[i] = stress + i * kChunk;
+        for (int j = i; wants_tangent && j < kMaxStrains; ++j)
+          result.tangent[i][j] = tangent + (i * kMaxStrains + j) * kChunk;
+      }
+      return result;
+    }
+  };
+
+  static void stress_by_parameter(const GroupTerm& term, const double* parameters, int parameter,
+                                  Chunk& chunk, int count) {
+    const int strains = term.strain->count();
+    LawOutput out;
+    for (int e = 0; e < count; ++e) {
+      double strain[kMaxStrains];
+      for (int i = 0; i < strains; ++i) strain[i] = chunk.strain[i * kChunk + e];
+      const double rest[kMaxLawState] = {};
+      LawInput in;
+      in.strain = strain;
+      in.parameters = parameters + term.first_parameter;
+      in.state = rest;
+      in.wants_energy = false;
+      term.law->clear(out);
+      term.law->evaluate(in, out);
+      for (int i = 0; i < strains; ++i)
+        chunk.stress[i * kChunk + e] = out.stress_by_parameter[i][parameter];
+    }
+  }
+
+  Elements elements_;
+};
+
+}  // namespace tenter::mechanics

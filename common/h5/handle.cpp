@@ -12,8 +12,12 @@ std::recursive_mutex& library_lock() {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     return new std::recursive_mutex;
   }();
-  // the error stack of a thread-safe build belongs to the thread, so each silences its own
-  thread_local const herr_t silenced = H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  // the error stack of a thread-safe build belongs to the thread, so each silences its own; under
+  // the lock, as every call: HDF5 has a lock inside that a fork must not meet
+  thread_local const herr_t silenced = [] {
+    const std::lock_guard held(*lock);
+    return H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }();
   static_cast<void>(silenced);
   return *lock;
 }

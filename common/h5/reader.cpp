@@ -231,7 +231,11 @@ struct H5Reader::Impl {
 
 H5Reader::H5Reader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 H5Reader::H5Reader(H5Reader&&) noexcept = default;
-H5Reader& H5Reader::operator=(H5Reader&&) noexcept = default;
+H5Reader& H5Reader::operator=(H5Reader&& other) noexcept {
+  const std::lock_guard lock(library_lock());
+  impl_ = std::move(other.impl_);
+  return *this;
+}
 H5Reader::~H5Reader() {
   const std::lock_guard lock(library_lock());
   impl_.reset();

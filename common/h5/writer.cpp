@@ -101,7 +101,11 @@ H5Writer::H5Writer(const std::string& path)
   impl_->note(static_cast<bool>(impl_->file), "/");
 }
 H5Writer::H5Writer(H5Writer&&) noexcept = default;
-H5Writer& H5Writer::operator=(H5Writer&&) noexcept = default;
+H5Writer& H5Writer::operator=(H5Writer&& other) noexcept {
+  const std::lock_guard lock(library_lock());
+  impl_ = std::move(other.impl_);
+  return *this;
+}
 H5Writer::~H5Writer() {
   const std::lock_guard lock(library_lock());
   impl_.reset();

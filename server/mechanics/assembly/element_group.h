@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Elements of one kind and the terms that act on them: what ClothModel is made of.
+// Elements of one kind and the terms that act on them: what MeshModel is made of.
 #pragma once
 
 #include <algorithm>
 #include <utility>
 
 #include "server/mechanics/assembly/chunk_strain.h"
-#include "server/mechanics/assembly/cloth_model.h"
+#include "server/mechanics/assembly/mesh_model.h"
 #include "server/mechanics/elements/from_mesh.h"
 
 namespace tenter::mechanics {
@@ -27,11 +27,11 @@ struct GroupTerm {
   std::vector<double> measure;  ///< m^2: the element's, times the weight of the support there
 };
 
-class ClothModel::Group {
+class MeshModel::Group {
  public:
   virtual ~Group() = default;
   /// Adds to what is wanted of `output`.
-  virtual void add(const double* x, const double* parameters, const ClothOutput& output) const = 0;
+  virtual void add(const double* x, const double* parameters, const ModelOutput& output) const = 0;
   /// Adds d2E/dx dp into the columns of its own parameters.
   virtual void add_by_parameter(const double* x, const double* parameters,
                                 Eigen::MatrixXd& result) const = 0;
@@ -43,7 +43,7 @@ class ClothModel::Group {
 
 /// `Z`: how many numbers the elements see.
 template <class Elements, int Z>
-class ElementGroup final : public ClothModel::Group {
+class ElementGroup final : public MeshModel::Group {
  public:
   explicit ElementGroup(Elements elements) : elements_(std::move(elements)) {}
 
@@ -53,7 +53,7 @@ class ElementGroup final : public ClothModel::Group {
     elements_.slots = block_slots(matrix, elements_.nodes);
   }
 
-  void add(const double* x, const double* parameters, const ClothOutput& output) const override {
+  void add(const double* x, const double* parameters, const ModelOutput& output) const override {
     const bool wants_forces = output.gradient || output.stiffness;
     Chunk chunk;
     for (int first = 0; first < elements_.count(); first += kChunk) {

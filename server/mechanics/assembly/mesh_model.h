@@ -8,7 +8,7 @@
 // law. Path-dependent laws answer as never strained before. Terms on the same elements are summed
 // before nodes are touched: elements/ turns the sum into forces and 3 x 3 blocks once.
 //
-//   auto model = ClothModel::make(description, cloth);
+//   auto model = MeshModel::make(description, cloth);
 //   NodeMatrix matrix = model->matrix();
 //   status = model->evaluate(x, parameters, {&energy, &gradient, &matrix});
 //
@@ -35,17 +35,17 @@ enum class AssemblyStatus {
 };
 
 /// Null: not wanted. All are overwritten.
-struct ClothOutput {
+struct ModelOutput {
   double* energy = nullptr;             ///< J
   Eigen::VectorXd* gradient = nullptr;  ///< dE/dx, N: minus the internal force
   NodeMatrix* stiffness = nullptr;      ///< d2E/dx2, N/m; from matrix()
 };
 
-class ClothModel {
+class MeshModel {
  public:
   /// bad_input names the term: a solid's strain, an unknown name, an rbf support without two
   /// coordinates, or a measure of which this cloth has no element.
-  static Expected<ClothModel> make(const model::Model& model, const Cloth& cloth);
+  static Expected<MeshModel> make(const model::Model& model, const Cloth& cloth);
 
   int node_count() const { return node_count_; }
   int parameter_count() const { return parameter_count_; }
@@ -53,7 +53,7 @@ class ClothModel {
   NodeMatrix matrix() const { return matrix_; }
 
   [[nodiscard]] AssemblyStatus evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
-                                        const ClothOutput& output) const;
+                                        const ModelOutput& output) const;
 
   /// d2E/dx dp: (3 nodes) x parameters, column by column.
   [[nodiscard]] AssemblyStatus gradient_by_parameter(const Eigen::VectorXd& x,

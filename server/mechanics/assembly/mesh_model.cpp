@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/mechanics/assembly/cloth_model.h"
+#include "server/mechanics/assembly/mesh_model.h"
 
 #include <cmath>
 #include <map>
@@ -60,8 +60,8 @@ std::vector<double> supported(const Elements& elements, const Support& support,
 
 }  // namespace
 
-Expected<ClothModel> ClothModel::make(const model::Model& model, const Cloth& cloth) {
-  ClothModel result;
+Expected<MeshModel> MeshModel::make(const model::Model& model, const Cloth& cloth) {
+  MeshModel result;
   result.node_count_ = cloth.mesh.node_count();
   std::map<std::string, std::shared_ptr<Group>> groups;  // by the elements that they share
   std::vector<std::shared_ptr<Group>> order;
@@ -127,8 +127,8 @@ Expected<ClothModel> ClothModel::make(const model::Model& model, const Cloth& cl
   return result;
 }
 
-AssemblyStatus ClothModel::evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
-                                    const ClothOutput& output) const {
+AssemblyStatus MeshModel::evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
+                                    const ModelOutput& output) const {
   if (output.energy) *output.energy = 0.0;
   if (output.gradient) output.gradient->setZero(3 * node_count_);
   if (output.stiffness) output.stiffness->set_zero();
@@ -139,7 +139,7 @@ AssemblyStatus ClothModel::evaluate(const Eigen::VectorXd& x, const Eigen::Vecto
   return finite ? AssemblyStatus::ok : AssemblyStatus::not_finite;
 }
 
-AssemblyStatus ClothModel::gradient_by_parameter(const Eigen::VectorXd& x,
+AssemblyStatus MeshModel::gradient_by_parameter(const Eigen::VectorXd& x,
                                                  const Eigen::VectorXd& parameters,
                                                  Eigen::MatrixXd& result) const {
   result.setZero(3 * node_count_, parameter_count_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/mechanics/assembly/cloth_model.h"
+#include "server/mechanics/assembly/mesh_model.h"
 
 #include <gtest/gtest.h>
 
@@ -66,11 +66,11 @@ std::vector<Cloth> cloths() {
   return list;
 }
 
-TEST(ClothModel, DerivativesByPositionAndParameter) {
+TEST(MeshModel, DerivativesByPositionAndParameter) {
   int checked = 0;
   for (const Cloth& cloth : cloths()) {
     for (const model::Model& description : cloth_presets()) {
-      const auto model = ClothModel::make(description, cloth);
+      const auto model = MeshModel::make(description, cloth);
       if (!model) {  // an irregular sheet may have no edge of a family
         EXPECT_NE(model.error().message.find("has no element"), std::string::npos)
             << model.error().message;
@@ -113,7 +113,7 @@ TEST(ClothModel, DerivativesByPositionAndParameter) {
 }
 
 // A sheet in homogeneous strain: dE/dq = area x the nominal stress of the material point.
-TEST(ClothModel, AHomogeneousStretchIsThatOfTheMaterialPoint) {
+TEST(MeshModel, AHomogeneousStretchIsThatOfTheMaterialPoint) {
   const double sides[2] = {0.25, 0.2};
   const Cloth cloth = cloth_of_grid({6, 5, sides[0], sides[1]}, Diagonals::alternating).value();
   int checked = 0;
@@ -123,7 +123,7 @@ TEST(ClothModel, AHomogeneousStretchIsThatOfTheMaterialPoint) {
       springs_bend = springs_bend || t.strain.name.starts_with("ring2");
     if (springs_bend) continue;
     SCOPED_TRACE(description.name);
-    const auto model = ClothModel::make(description, cloth);
+    const auto model = MeshModel::make(description, cloth);
     const auto point = MaterialPoint::make(description);
     ASSERT_TRUE(model && point);
     const Eigen::VectorXd parameters = values_of(description);
@@ -160,13 +160,13 @@ TEST(ClothModel, AHomogeneousStretchIsThatOfTheMaterialPoint) {
   EXPECT_GT(checked, 8);
 }
 
-TEST(ClothModel, RigidMotionCostsNothing) {
+TEST(MeshModel, RigidMotionCostsNothing) {
   const Cloth cloth = cloth_of_grid({6, 5, 0.25, 0.2}, Diagonals::alternating).value();
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(1.1, Eigen::Vector3d(1.0, 2.0, -0.5).normalized()).toRotationMatrix();
   for (const model::Model& description : cloth_presets()) {
     SCOPED_TRACE(description.name);
-    const auto model = ClothModel::make(description, cloth);
+    const auto model = MeshModel::make(description, cloth);
     ASSERT_TRUE(model);
     const Eigen::VectorXd parameters = values_of(description);
     const auto evaluate = [&](double crumple) {
@@ -194,11 +194,11 @@ TEST(ClothModel, RigidMotionCostsNothing) {
 }
 
 // Edges of no length and triangles of no height: a finite answer, or one that says so.
-TEST(ClothModel, CollapsedElementsAreNeverSilentlyWrong) {
+TEST(MeshModel, CollapsedElementsAreNeverSilentlyWrong) {
   const Cloth cloth = cloth_of_grid({4, 4, 0.15, 0.15}, Diagonals::one).value();
   int told = 0;
   for (const model::Model& description : cloth_presets()) {
-    const auto model = ClothModel::make(description, cloth);
+    const auto model = MeshModel::make(description, cloth);
     ASSERT_TRUE(model);
     const Eigen::VectorXd parameters = values_of(description);
     Eigen::VectorXd x = crumpled(cloth.mesh, 0.0, 1);
@@ -217,14 +217,14 @@ TEST(ClothModel, CollapsedElementsAreNeverSilentlyWrong) {
   EXPECT_GT(told, 0) << "a hinge without an edge has no angle";
 }
 
-TEST(ClothModel, WhatDoesNotFitIsNamed) {
+TEST(MeshModel, WhatDoesNotFitIsNamed) {
   const Cloth cloth = cloth_of_grid({4, 4, 0.15, 0.15}, Diagonals::one).value();
-  const auto solid = ClothModel::make(model::preset("solid_neo_hookean").value(), cloth);
+  const auto solid = MeshModel::make(model::preset("solid_neo_hookean").value(), cloth);
   ASSERT_FALSE(solid);
   EXPECT_NE(solid.error().message.find("is a strain of solids"), std::string::npos);
   model::Model unknown = model::preset("cloth_stvk").value();
   unknown.terms[1].strain.name = "no_such";
-  const auto bad = ClothModel::make(unknown, cloth);
+  const auto bad = MeshModel::make(unknown, cloth);
   ASSERT_FALSE(bad);
   EXPECT_NE(bad.error().message.find("term \"warp\""), std::string::npos);
 }

@@ -128,7 +128,7 @@ Expected<MeshModel> MeshModel::make(const model::Model& model, const Cloth& clot
 }
 
 AssemblyStatus MeshModel::evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
-                                    const ModelOutput& output) const {
+                                   const ModelOutput& output) const {
   if (output.energy) *output.energy = 0.0;
   if (output.gradient) output.gradient->setZero(3 * node_count_);
   if (output.stiffness) output.stiffness->set_zero();
@@ -140,8 +140,8 @@ AssemblyStatus MeshModel::evaluate(const Eigen::VectorXd& x, const Eigen::Vector
 }
 
 AssemblyStatus MeshModel::gradient_by_parameter(const Eigen::VectorXd& x,
-                                                 const Eigen::VectorXd& parameters,
-                                                 Eigen::MatrixXd& result) const {
+                                                const Eigen::VectorXd& parameters,
+                                                Eigen::MatrixXd& result) const {
   result.setZero(3 * node_count_, parameter_count_);
   for (const auto& group : groups_) group->add_by_parameter(x.data(), parameters.data(), result);
   return result.allFinite() ? AssemblyStatus::ok : AssemblyStatus::not_finite;

@@ -7,6 +7,7 @@
 
 #include "server/mechanics/assembly/chunk_strain.h"
 #include "server/mechanics/assembly/mesh_model.h"
+#include "server/mechanics/assembly/positive_part.h"
 #include "server/mechanics/elements/from_mesh.h"
 
 namespace tenter::mechanics {
@@ -73,6 +74,8 @@ class ElementGroup final : public MeshModel::Group {
                              output.stiffness ? psi_zz : nullptr);
       }
       if (output.gradient) add_gradient(elements_, x, first, count, psi_z, output.gradient->data());
+      if (output.stiffness && output.positive_share > 0.0)
+        take_positive_part(elements_, count, output.positive_share, psi_z, psi_zz);
       if (output.stiffness)
         add_stiffness(elements_, x, first, count, psi_z, psi_zz, *output.stiffness);
     }

@@ -39,6 +39,9 @@ struct ModelOutput {
   double* energy = nullptr;             ///< J
   Eigen::VectorXd* gradient = nullptr;  ///< dE/dx, N: minus the internal force
   NodeMatrix* stiffness = nullptr;      ///< d2E/dx2, N/m; from matrix()
+  /// From 0 (exact) to 1: how much of the elements' negative stiffness is left out
+  /// (positive_part.h).
+  double positive_share = 0.0;
 };
 
 class MeshModel {

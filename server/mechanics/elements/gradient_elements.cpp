@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "server/mechanics/elements/lanes.h"
+#include "server/mechanics/elements/scatter.h"
 
 namespace tenter::mechanics {
 namespace {
@@ -154,14 +154,8 @@ TENTER_INLINE void stiffness_kernel(const GradientElements<N, D>& elements, cons
       for (int q = 0; q < 9; ++q) blocks[0].v[q] -= column.v[q];
     }
 
-    const int lanes = std::min(kLanes, count - e);
-    for (int l = 0; l < lanes; ++l) {
-      const int* slot = elements.slots.data() + (first + e + l) * kPairs;
-      for (int pair = 0; pair < kPairs; ++pair) {
-        double* target = matrix.block(slot[pair]);
-        for (int q = 0; q < 9; ++q) target[q] += blocks[pair].v[q][l];
-      }
-    }
+    scatter(blocks, std::min(kLanes, count - e), elements.slots.data() + (first + e) * kPairs,
+            matrix);
   }
 }
 

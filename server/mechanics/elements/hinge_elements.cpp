@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "server/mechanics/elements/lanes.h"
+#include "server/mechanics/elements/scatter.h"
 
 namespace tenter::mechanics {
 namespace {
@@ -102,23 +102,6 @@ TENTER_INLINE void complete(Lanes33 (&blocks)[kPairs]) {
           column.v[3 * col + r] -= a >= c ? k.v[3 * col + r] : k.v[3 * r + col];
     }
     for (int q = 0; q < 9; ++q) blocks[0].v[q] -= column.v[q];
-  }
-}
-
-TENTER_INLINE void scatter(const Lanes33 (&blocks)[kPairs], int lanes, const int* slots,
-                           NodeMatrix& matrix) {
-  for (int l = 0; l < lanes; ++l, slots += kPairs) {
-    for (int p = 0; p < kPairs; ++p) {
-      const Lanes33& block = blocks[p];
-      if (slots[p] >= 0) {
-        double* target = matrix.block(slots[p]);
-        for (int q = 0; q < 9; ++q) target[q] += block.v[q][l];
-      } else {
-        double* target = matrix.block(-1 - slots[p]);
-        for (int col = 0; col < 3; ++col)
-          for (int r = 0; r < 3; ++r) target[3 * col + r] += block.v[3 * r + col][l];
-      }
-    }
   }
 }
 

@@ -31,9 +31,16 @@ int NodeMatrix::slot(int i, int j) const {
 }
 
 bool NodeMatrix::is_finite() const {
-  // a sum is finite only where all are; differences of infinities are not
+  // a sum is finite only where all are; differences of infinities are not. Eight sums, so that
+  // additions need not wait for each other.
+  constexpr std::size_t kSums = 8;
+  double sums[kSums] = {};
+  std::size_t i = 0;
+  for (; i + kSums <= values_.size(); i += kSums)
+    for (std::size_t k = 0; k < kSums; ++k) sums[k] += values_[i + k];
+  for (; i < values_.size(); ++i) sums[0] += values_[i];
   double sum = 0.0;
-  for (const double v : values_) sum += v;
+  for (const double s : sums) sum += s;
   return std::isfinite(sum);
 }
 

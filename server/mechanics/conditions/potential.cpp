@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/mechanics/conditions/potential.h"
+
+#include <cmath>
+#include <limits>
+
+namespace tenter::mechanics {
+
+Potential::Potential(const MeshModel& of_model, const Eigen::VectorXd& at_parameters,
+                     const Boundary& of_boundary, const Unknowns& of_unknowns,
+                     const Loads& of_loads, const Contact& of_contact)
+    : model(of_model),
+      parameters(at_parameters),
+      boundary(of_boundary),
+      unknowns(of_unknowns),
+      loads(of_loads),
+      contact(of_contact) {}
+
+bool Potential::evaluate(const State& state, PotentialValue& value) const {
+  return evaluate(state, ModelOutput{&value.energy_J, &value.by_node}, value);
+}
+
+bool Potential::evaluate_with_stiffness(const State& state, double positive_share,
+                                        PotentialValue& value) const {
+  if (value.node_stiffness.node_count() != model.node_count())
+    value.node_stiffness = model.matrix();
+  ModelOutput wanted{&value.energy_J, &value.by_node, &value.node_stiffness};
+  wanted.positive_share = positive_share;
+  if (!evaluate(state, wanted, value)) return false;
+  unknowns.reduce_matrix(loads, state, value.by_node, value.node_stiffness, positive_share,
+                         value.stiffness);
+  return true;
+}
+
+bool Potential::evaluate(const State& state, const ModelOutput& wanted,
+                         PotentialValue& value) const {
+  value.has_stiffness = wanted.stiffness != nullptr;
+  value.positive_share = wanted.positive_share;
+  if (model.evaluate(state.x, parameters, wanted) != AssemblyStatus::ok) return false;
+  const LoadOutput output{&value.energy_J, value.by_node.data(), wanted.stiffness};
+  add_loads(loads, boundary, state.x, output);
+  contact.add(state.x, output, wanted.positive_share);
+  for (std::size_t c = 0; c < boundary.clips.size(); ++c)
+    if (boundary.clips[c].is_free)
+      value.energy_J += clip_potential_J(loads, boundary, static_cast<int>(c), state.clips[c]);
+  unknowns.reduce_gradient(loads, state, value.by_node, value.by_unknown);
+  value.net_force_N = unknowns.net_force_N(value.by_unknown);
+  return std::isfinite(value.energy_J) && std::isfinite(value.net_force_N);
+}
+
+double Potential::energy_J(const State& state) const {
+  double energy = 0.0;
+  ModelOutput wanted;
+  wanted.energy = &energy;
+  if (model.evaluate(state.x, parameters, wanted) != AssemblyStatus::ok)
+    return std::numeric_limits<double>::infinity();
+  const LoadOutput output{&energy, nullptr, nullptr};
+  add_loads(loads, boundary, state.x, output);
+  contact.add(state.x, output, 0.0);
+  for (std::size_t c = 0; c < boundary.clips.size(); ++c)
+    if (boundary.clips[c].is_free)
+      energy += clip_potential_J(loads, boundary, static_cast<int>(c), state.clips[c]);
+  return std::isnan(energy) ? std::numeric_limits<double>::infinity() : energy;
+}
+
+}  // namespace tenter::mechanics

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/mechanics/equilibrium/equilibrium.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "server/mechanics/equilibrium/lowest_mode.h"
+
+namespace tenter::mechanics {
+namespace {
+
+constexpr int kMostContactRounds = 60;
+constexpr int kMostSaddles = 20;
+constexpr double kNeutral = 1e-10;  // of the largest diagonal entry: less stiffness is rounding
+
+bool has_pair(const NodeMatrix& matrix, int i, int j) {
+  if (i < j) std::swap(i, j);
+  const auto first = matrix.row().begin() + matrix.column_start()[static_cast<std::size_t>(j)];
+  const auto last = matrix.row().begin() + matrix.column_start()[static_cast<std::size_t>(j) + 1];
+  return std::binary_search(first, last, i);
+}
+
+double mean_diagonal(const SymmetricPattern& pattern, const std::vector<double>& values) {
+  double sum = 0.0;
+  for (int j = 0; j < pattern.size; ++j)
+    sum += values[static_cast<std::size_t>(pattern.column_start[static_cast<std::size_t>(j)])];
+  return sum / pattern.size;
+}
+
+}  // namespace
+
+std::string describe(const EquilibriumResult& result, const EquilibriumOptions& options) {
+  std::string text = describe(result.last.end);
+  if (result.stability == Stability::saddle)
+    text += "; the state is a saddle: a motion lowers the energy";
+  if (result.stability == Stability::neutral) text += "; a motion costs no energy";
+  if (result.contact_violation_m > options.contact_depth_m)
+    text += "; contact is not resolved to the depth asked for";
+  return text;
+}
+
+Expected<EquilibriumSolver> EquilibriumSolver::make(const MeshModel& model, Boundary boundary,
+                                                    std::vector<Obstacle> obstacles) {
+  if (auto ok = mechanics::check(boundary, model.node_count()); !ok)
+    return tl::unexpected(ok.error());
+  if (auto ok = mechanics::check(obstacles); !ok) return tl::unexpected(ok.error());
+  const NodeMatrix matrix = model.matrix();
+  for (const auto& t : boundary.pressed)
+    for (std::size_t c = 0; c < 3; ++c)
+      if (!has_pair(matrix, t[c], t[(c + 1) % 3]))
+        return bad_input("the pressed surface has an edge from node " + std::to_string(t[c]) +
+                         " to " + std::to_string(t[(c + 1) % 3]) + ", which no element has");
+  EquilibriumSolver solver;
+  solver.model_ = &model;
+  solver.unknowns_ = std::make_shared<const Unknowns>(boundary, matrix);
+  if (solver.unknowns_->count() == 0) return bad_input("every node is held: nothing is free");
+  solver.boundary_ = std::move(boundary);
+  solver.obstacles_ = std::move(obstacles);
+  solver.factor_ = make_factor();
+  solver.factor_->analyze(solver.unknowns_->pattern());
+  return solver;
+}
+
+Expected<void> EquilibriumSolver::check_input(const Eigen::VectorXd& parameters, const Loads& loads,
+                                              const State& state) const {
+  if (parameters.size() != model_->parameter_count())
+    return bad_input("the model has " + std::to_string(model_->parameter_count()) +
+                     " parameters, given are " + std::to_string(parameters.size()));
+  if (!parameters.allFinite()) return bad_input("a parameter is no number");
+  if (state.x.size() != 3 * static_cast<Eigen::Index>(model_->node_count()))
+    return bad_input("the mesh has " + std::to_string(model_->node_count()) +
+                     " nodes, positions are given for " + std::to_string(state.x.size() / 3));
+  if (!state.x.allFinite()) return bad_input("a position is no number");
+  if (state.clips.size() != boundary_.clips.size())
+    return bad_input("there are " + std::to_string(boundary_.clips.size()) +
+                     " clips, poses are given for " + std::to_string(state.clips.size()));
+  return mechanics::check(loads, boundary_, model_->node_count());
+}
+
+Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& parameters,
+                                                     const Loads& loads, State& state,
+                                                     const EquilibriumOptions& options) {
+  if (auto ok = check_input(parameters, loads, state); !ok) return tl::unexpected(ok.error());
+  place_clips(boundary_, state);
+  const Potential potential(*model_, parameters, boundary_, *unknowns_, loads, contact_);
+  bool is_near = options.start_is_near;
+  if (is_near && obstacles_.empty()) predict(potential, state);
+
+  EquilibriumResult result;
+  if (!obstacles_.empty()) {
+    contact_ = Contact();
+    double penalty = options.contact_penalty_N_m;
+    if (penalty <= 0.0 && potential.evaluate_with_stiffness(state, 1.0, work_.current))
+      penalty = mean_diagonal(unknowns_->pattern(), work_.current.stiffness);
+    contact_ = Contact(obstacles_, unknowns_->free_nodes(), penalty > 0.0 ? penalty : 1.0);
+  }
+  double violation = 0.0;
+  for (int round = 0; round <= kMostContactRounds; ++round) {
+    for (int saddle = 0; saddle <= kMostSaddles; ++saddle) {
+      result.last = minimise(potential, options, is_near, state);
+      result.iterations += result.last.iterations;
+      result.factorisations += result.last.factorisations;
+      result.evaluations += result.last.evaluations;
+      if (!result.last.is_equilibrium() || !options.check_minimum) break;
+      result.stability = check(potential, state, result);
+      if (result.stability != Stability::saddle || !leave_saddle(potential, state)) break;
+      ++result.saddles_left;
+      is_near = false;
+    }
+    is_near = result.stability == Stability::minimum;
+    const double before = violation;
+    violation = contact_.violation_m(state.x);
+    if (!result.last.is_equilibrium() || violation <= options.contact_depth_m) break;
+    contact_.update_forces(state.x);
+    constexpr double kSlow = 0.3;  // violation after / before: slower than this, press harder
+    if (round > 0 && violation > kSlow * before) contact_.raise_penalty(4.0);
+  }
+  result.contact_violation_m = violation;
+  result.contact_force_N = contact_.force_N();
+  result.energy_J = work_.current.energy_J;
+  result.by_node = work_.current.by_node;
+  solved_ = state;
+  return result;
+}
+
+MinimiseResult EquilibriumSolver::minimise(const Potential& potential,
+                                           const EquilibriumOptions& options, bool is_near,
+                                           State& state) {
+  has_factor_ = false;
+  const MinimiseOptions how{options.tolerance_N, options.max_iterations, is_near,
+                            options.max_move_m};
+  switch (options.minimiser) {
+    case Minimiser::additive_lm:
+      return minimise_by_additive_lm(potential, *factor_, how, state, work_);
+    case Minimiser::relaxation:
+      return minimise_by_relaxation(potential, how, state, work_);
+    case Minimiser::newton:
+      break;
+  }
+  return minimise_by_newton(potential, *factor_, how, state, work_);
+}
+
+/// One step from the last result with its factor: exact in what new parameters and loads do to the
+/// forces there, linear in how far what is held has moved. (Further steps with the old factor were
+/// tried: they rarely lower the net force.) Nothing is done where the start is not the last result.
+void EquilibriumSolver::predict(const Potential& potential, State& state) {
+  if (!has_factor_ || solved_.x.size() != state.x.size()) return;
+  const Eigen::VectorXd held = state.x - solved_.x;
+  for (const int node : unknowns_->free_nodes())
+    if (!held.segment<3>(3 * node).isZero(0.0)) return;
+  for (const Clip& clip : boundary_.clips)
+    for (const int node : clip.nodes)
+      if (clip.is_free && !held.segment<3>(3 * node).isZero(0.0)) return;
+  if (!potential.evaluate(solved_, work_.trial)) return;
+  work_.current.node_stiffness.multiply_add(held.data(), work_.trial.by_node.data());
+  unknowns_->reduce_gradient(potential.loads, solved_, work_.trial.by_node, work_.trial.by_unknown);
+  work_.step.resize(unknowns_->count());
+  factor_->solve(work_.trial.by_unknown.data(), work_.step.data(), 1);
+  work_.step = -work_.step;
+  constexpr double kFar = 0.1;  // of the extent: a linear prediction is none there
+  if (unknowns_->longest_move_m(work_.step) > kFar * extent_m(state.x)) return;
+  work_.trial_state = state;
+  unknowns_->move(work_.trial_state, work_.step, 1.0, state);
+}
+
+/// Factorises the exact stiffness at `state`, which belongs to work_.current.
+Stability EquilibriumSolver::check(const Potential& potential, const State& state,
+                                   EquilibriumResult& result) {
+  if (!work_.current.has_stiffness || work_.current.positive_share != 0.0) {
+    ++result.evaluations;
+    if (!potential.evaluate_with_stiffness(state, 0.0, work_.current)) return Stability::saddle;
+  }
+  ++result.factorisations;
+  if (factor_->factorize(work_.current.stiffness.data()) == FactorStatus::ok) {
+    has_factor_ = true;
+    return Stability::minimum;
+  }
+  const LowestMode mode = lowest_mode(unknowns_->pattern(), work_.current.stiffness, *factor_);
+  lowest_mode_ = mode.direction;
+  return mode.stiffness < -kNeutral * mode.largest_diagonal ? Stability::saddle
+                                                            : Stability::neutral;
+}
+
+/// Goes down along the direction of least stiffness; false where no length of it lowers the energy.
+bool EquilibriumSolver::leave_saddle(const Potential& potential, State& state) {
+  const double longest = unknowns_->longest_move_m(lowest_mode_);
+  if (!(longest > 0.0)) return false;
+  const double before = potential.energy_J(state);
+  State there = state;
+  constexpr double kLargest = 1e-2;  // of the extent
+  constexpr double kSmallest = 1e-7;
+  for (double part = kLargest; part >= kSmallest; part *= 0.1) {
+    const double length = part * extent_m(state.x) / longest;
+    for (const double sign : {1.0, -1.0}) {
+      unknowns_->move(state, lowest_mode_, sign * length, there);
+      if (potential.energy_J(there) < before) {
+        state = there;
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace tenter::mechanics

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Static equilibrium of a mesh: the state of least potential energy under given boundary and loads.
+//
+//   auto solver = EquilibriumSolver::make(model, boundary);
+//   State state{x, poses};                                   // start; held nodes where they shall
+//   be auto result = solver->solve(parameters, loads, state);   // state: the equilibrium if
+//   (!result) ...                                         // what was passed does not fit together
+//   if (!result->is_minimum()) log(describe(*result));       // how it ended otherwise
+//
+// Frame after frame: move the held nodes and prescribed poses of the last result (or change the
+// parameters) and solve again with start_is_near. A solver that still has the factor of that result
+// predicts the new state from it.
+//
+// A solver keeps pattern, factor and scratch; it belongs to one thread at a time. Its result
+// depends on what is passed and on the solve before, never on another solver: frames of several
+// sequences may be solved in several threads with the same bytes as in one.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/error.h"
+#include "server/mechanics/equilibrium/minimise.h"
+
+namespace tenter::mechanics {
+
+enum class Minimiser { newton, additive_lm, relaxation };
+
+struct EquilibriumOptions {
+  double tolerance_N = 1e-5;  ///< thesis 3.4.1; 0: to rounding
+  int max_iterations = 2000;
+  bool start_is_near = false;
+  double max_move_m = 0.0;  ///< see MinimiseOptions
+  Minimiser minimiser = Minimiser::newton;
+  bool check_minimum = true;         ///< and leave saddles
+  double contact_depth_m = 1e-6;     ///< conditions of contact hold to this
+  double contact_penalty_N_m = 0.0;  ///< 0: the mean of the stiffness' diagonal
+};
+
+enum class Stability {
+  minimum,  ///< stiffness positive definite: stable
+  neutral,  ///< a motion costs no energy, to rounding
+  saddle,   ///< a motion lowers the energy, and the state could not be left
+  not_checked
+};
+
+struct EquilibriumResult {
+  MinimiseResult last;     ///< the last minimisation
+  int iterations = 0;      ///< of all minimisations
+  int factorisations = 0;  ///< with those of the check
+  int evaluations = 0;
+  int saddles_left = 0;
+  double energy_J = 0.0;
+  Stability stability = Stability::not_checked;
+  double contact_violation_m = 0.0;
+  Eigen::VectorXd contact_force_N;  ///< [obstacle * free nodes + free node]
+  Eigen::VectorXd by_node;          ///< dPi/dx, N: zero at free nodes; reaction() sums it
+
+  /// In equilibrium, stable where that was checked, and outside of obstacles.
+  bool is_good(const EquilibriumOptions& options) const {
+    return last.is_equilibrium() && stability != Stability::saddle &&
+           contact_violation_m <= options.contact_depth_m;
+  }
+};
+std::string describe(const EquilibriumResult& result, const EquilibriumOptions& options);
+
+class EquilibriumSolver {
+ public:
+  /// `model` must outlive the solver. bad_input as check() of boundary and obstacles, and for a
+  /// pressed surface whose edges are none of the mesh, and where nothing is free.
+  static Expected<EquilibriumSolver> make(const MeshModel& model, Boundary boundary,
+                                          std::vector<Obstacle> obstacles = {});
+
+  const Boundary& boundary() const { return boundary_; }
+  const Unknowns& unknowns() const { return *unknowns_; }
+
+  /// bad_input where sizes do not fit or a number is none. `state`: start, and result.
+  Expected<EquilibriumResult> solve(const Eigen::VectorXd& parameters, const Loads& loads,
+                                    State& state, const EquilibriumOptions& options = {});
+
+  /// The factor of the exact stiffness at the last result; null unless that was checked to be a
+  /// minimum.
+  SparseFactor* factor() { return has_factor_ ? factor_.get() : nullptr; }
+  /// Stiffness over all nodes there, loads and contact included.
+  const NodeMatrix& node_stiffness() const { return work_.current.node_stiffness; }
+
+ private:
+  EquilibriumSolver() = default;
+  MinimiseResult minimise(const Potential& potential, const EquilibriumOptions& options,
+                          bool is_near, State& state);
+  void predict(const Potential& potential, State& state);
+  Stability check(const Potential& potential, const State& state, EquilibriumResult& result);
+  bool leave_saddle(const Potential& potential, State& state);
+  Expected<void> check_input(const Eigen::VectorXd& parameters, const Loads& loads,
+                             const State& state) const;
+
+  const MeshModel* model_ = nullptr;
+  Boundary boundary_;
+  std::vector<Obstacle> obstacles_;
+  std::shared_ptr<const Unknowns> unknowns_;
+  std::unique_ptr<SparseFactor> factor_;
+  Contact contact_;
+  MinimiseWorkspace work_;
+  bool has_factor_ = false;
+  State solved_;                 ///< last result, of which factor and stiffness are
+  Eigen::VectorXd lowest_mode_;  ///< direction of least stiffness of a saddle
+};
+
+}  // namespace tenter::mechanics

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Ways to a state without net force, on one potential energy: what they share, and their names.
+//
+//   MinimiseResult result = minimise_by_newton(potential, factor, options, state, workspace);
+//
+// Every way lowers the real energy or, once that drowns in rounding, the net force. `state` is the
+// best one found, whatever the end. Deterministic; one thread per workspace and factor.
+#pragma once
+
+#include <string>
+
+#include "server/mechanics/conditions/potential.h"
+#include "server/mechanics/sparse/factor.h"
+
+namespace tenter::mechanics {
+
+enum class MinimiseEnd {
+  converged,         ///< net force at or below the tolerance
+  at_rounding,       ///< no step changes energy or net force beyond rounding any more
+  out_of_steps,      ///< max_iterations reached
+  no_descent,        ///< no step along a descent direction lowered the energy
+  start_not_finite,  ///< energy or force is no number at the start
+  runs_away,         ///< a node left the surroundings: nothing holds the mesh, or it collapses
+  out_of_memory      ///< the factorisation does not fit
+};
+
+/// One sentence a user can act on.
+std::string describe(MinimiseEnd end);
+
+struct MinimiseOptions {
+  double tolerance_N = 1e-5;  ///< thesis 3.4.1; 0: to rounding
+  int max_iterations = 2000;
+  bool start_is_near = false;  ///< trust the exact stiffness from the start
+  double max_move_m = 0.0;     ///< longest way of a node in one step; 0: a tenth of the extent
+};
+
+struct MinimiseResult {
+  MinimiseEnd end = MinimiseEnd::converged;
+  int iterations = 0;
+  int factorisations = 0;
+  int evaluations = 0;  ///< of the energy, with or without derivatives
+  double net_force_N = 0.0;
+  bool has_exact_factor = false;  ///< the factor is that of an exact stiffness near the end
+
+  bool is_equilibrium() const {
+    return end == MinimiseEnd::converged || end == MinimiseEnd::at_rounding;
+  }
+};
+
+/// Scratch that is kept between solves. `current` belongs to the returned state.
+struct MinimiseWorkspace {
+  PotentialValue current, trial, curved;
+  State trial_state, curved_state;
+  Eigen::VectorXd step, sum;
+  std::vector<double> shifted;
+};
+
+/// Largest distance of two corners of the box around all nodes (m).
+double extent_m(const Eigen::VectorXd& x);
+
+/// Newton's method with a line search on the energy. Far from a minimum a share of the elements'
+/// negative stiffness is left out, so that steps are neither uphill nor too long for what the
+/// quadratic model knows; near one the stiffness is exact.
+MinimiseResult minimise_by_newton(const Potential& potential, SparseFactor& factor,
+                                  const MinimiseOptions& options, State& state,
+                                  MinimiseWorkspace& work);
+
+/// Thesis 3.4.1, for comparison: exact stiffness + mu I, with mu raised where the energy does not
+/// fall and lowered where it does.
+MinimiseResult minimise_by_additive_lm(const Potential& potential, SparseFactor& factor,
+                                       const MinimiseOptions& options, State& state,
+                                       MinimiseWorkspace& work);
+
+/// Thesis 4.3.2, for comparison: damped dynamics in fictitious time, all velocities set to zero
+/// whenever the kinetic energy has passed a peak. Masses follow the stiffness' diagonal.
+MinimiseResult minimise_by_relaxation(const Potential& potential, const MinimiseOptions& options,
+                                      State& state, MinimiseWorkspace& work);
+
+}  // namespace tenter::mechanics

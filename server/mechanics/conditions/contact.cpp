@@ -95,6 +95,18 @@ double Contact::violation_m(const Eigen::VectorXd& x) const {
   return worst;
 }
 
+std::vector<Contact::Touch> Contact::touches(const Eigen::VectorXd& x) const {
+  std::vector<Touch> result;
+  Eigen::Index k = 0;
+  for (const Obstacle& obstacle : obstacles_) {
+    for (const int node : nodes_) {
+      const Gap g = gap(obstacle, x.segment<3>(3 * static_cast<Eigen::Index>(node)));
+      if (force_N_[k++] - penalty_N_m_ * g.value_m > 0.0) result.push_back({node, g.normal});
+    }
+  }
+  return result;
+}
+
 void Contact::update_forces(const Eigen::VectorXd& x) {
   Eigen::Index k = 0;
   for (const Obstacle& obstacle : obstacles_) {

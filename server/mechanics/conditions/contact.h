@@ -62,6 +62,12 @@ class Contact {
   /// the conditions of contact are met.
   double violation_m(const Eigen::VectorXd& x) const;
   void update_forces(const Eigen::VectorXd& x);
+  /// Nodes that are pressed at x, with the direction in which they cannot give way.
+  struct Touch {
+    int node = 0;
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  };
+  std::vector<Touch> touches(const Eigen::VectorXd& x) const;
   void raise_penalty(double factor) { penalty_N_m_ *= factor; }
   /// lambda; [obstacle * nodes + node].
   const Eigen::VectorXd& force_N() const { return force_N_; }

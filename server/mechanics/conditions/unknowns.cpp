@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/mechanics/raise_eigenvalues.h"
+
 namespace tenter::mechanics {
 namespace {
 
@@ -108,19 +110,29 @@ Eigen::Matrix<double, 3, 6> Unknowns::jacobian(const Body& body, const State& st
   return j;
 }
 
-void Unknowns::reduce_gradient(const Loads& loads, const State& state,
-                               const Eigen::VectorXd& by_node, Eigen::VectorXd& by_unknown) const {
+void Unknowns::restrict_to(const State& state, const Eigen::VectorXd& by_node,
+                           Eigen::VectorXd& by_unknown) const {
   by_unknown.resize(count());
   for (std::size_t k = 0; k < free_nodes_.size(); ++k)
     by_unknown.segment<3>(3 * static_cast<Eigen::Index>(k)) =
-        by_node.segment<3>(3 * free_nodes_[k]);
+        by_node.segment<3>(3 * static_cast<Eigen::Index>(free_nodes_[k]));
   for (const Body& body : bodies_) {
-    const auto c = static_cast<std::size_t>(body.clip);
-    const Eigen::Vector3d about = middle(body, state);
-    const Wrench inner = reaction(boundary_.clips[c], state.x, by_node, about);
-    const Wrench outer = outer_wrench(loads, boundary_, body.clip, state.clips[c], about);
-    by_unknown.segment<3>(body.first_unknown) = -inner.torque_N_m - outer.torque_N_m;
-    by_unknown.segment<3>(body.first_unknown + 3) = -inner.force_N - outer.force_N;
+    const Wrench inner = reaction(boundary_.clips[static_cast<std::size_t>(body.clip)], state.x,
+                                  by_node, middle(body, state));
+    by_unknown.segment<3>(body.first_unknown) = -inner.torque_N_m;
+    by_unknown.segment<3>(body.first_unknown + 3) = -inner.force_N;
+  }
+}
+
+void Unknowns::reduce_gradient(const Loads& loads, const State& state,
+                               const Eigen::VectorXd& by_node, Eigen::VectorXd& by_unknown) const {
+  restrict_to(state, by_node, by_unknown);
+  for (const Body& body : bodies_) {
+    const Wrench outer =
+        outer_wrench(loads, boundary_, body.clip, state.clips[static_cast<std::size_t>(body.clip)],
+                     middle(body, state));
+    by_unknown.segment<3>(body.first_unknown) -= outer.torque_N_m;
+    by_unknown.segment<3>(body.first_unknown + 3) -= outer.force_N;
   }
 }
 
@@ -185,11 +197,11 @@ void Unknowns::reduce_matrix(const Loads& loads, const State& state, const Eigen
     for (std::size_t k = 0; !loads.cord_force_N.empty() && k < clip.cord_place_m.size(); ++k)
       turn -= turn_curvature(loads.cord_force_N[clip_index][k],
                              pose.to_space(clip.cord_place_m[k]) - about);
+    if (positive_share > 0.0) raise_eigenvalues(turn, positive_share);
     for (int c = 0; c < 3; ++c)
       for (int r = c; r < 3; ++r)
         values[static_cast<std::size_t>(
-            pattern_.slot(body.first_unknown + r, body.first_unknown + c))] +=
-            (1.0 - positive_share) * turn(r, c);
+            pattern_.slot(body.first_unknown + r, body.first_unknown + c))] += turn(r, c);
   }
 }
 

@@ -35,13 +35,18 @@ class Unknowns {
   const SymmetricPattern& pattern() const { return pattern_; }
   const std::vector<int>& free_nodes() const { return free_nodes_; }
 
+  /// What a change of the unknowns does to a linear function of the nodes: J' by_node, where
+  /// expand() is J.
+  void restrict_to(const State& state, const Eigen::VectorXd& by_node,
+                   Eigen::VectorXd& by_unknown) const;
+
   /// Gradient by the unknowns from the one by the nodes; cords and weight of free clips come in
   /// here. N for nodes and shifts, N m for turns.
   void reduce_gradient(const Loads& loads, const State& state, const Eigen::VectorXd& by_node,
                        Eigen::VectorXd& by_unknown) const;
 
-  /// Values of the pattern. `positive_share`: how much of the second derivative of
-  /// turns is left out, 0 to 1.
+  /// Values of the pattern. `positive_share`: how much of the negative second
+  /// derivative of turns is left out, 0 to 1.
   void reduce_matrix(const Loads& loads, const State& state, const Eigen::VectorXd& by_node,
                      const NodeMatrix& matrix, double positive_share,
                      std::vector<double>& values) const;

@@ -120,6 +120,7 @@ Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& para
   result.contact_force_N = contact_.force_N();
   result.energy_J = work_.current.energy_J;
   result.by_node = work_.current.by_node;
+  can_predict_ = has_factor_ || (!options.check_minimum && result.last.has_exact_factor);
   solved_ = state;
   return result;
 }
@@ -145,7 +146,7 @@ MinimiseResult EquilibriumSolver::minimise(const Potential& potential,
 /// forces there, linear in how far what is held has moved. (Further steps with the old factor were
 /// tried: they rarely lower the net force.) Nothing is done where the start is not the last result.
 void EquilibriumSolver::predict(const Potential& potential, State& state) {
-  if (!has_factor_ || solved_.x.size() != state.x.size()) return;
+  if (!can_predict_ || solved_.x.size() != state.x.size()) return;
   const Eigen::VectorXd held = state.x - solved_.x;
   for (const int node : unknowns_->free_nodes())
     if (!held.segment<3>(3 * node).isZero(0.0)) return;

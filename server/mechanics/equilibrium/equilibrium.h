@@ -79,6 +79,8 @@ class EquilibriumSolver {
   Expected<EquilibriumResult> solve(const Eigen::VectorXd& parameters, const Loads& loads,
                                     State& state, const EquilibriumOptions& options = {});
 
+  const MeshModel& model() const { return *model_; }
+  const Contact& contact() const { return contact_; }
   /// The factor of the exact stiffness at the last result; null unless that was checked to be a
   /// minimum.
   SparseFactor* factor() { return has_factor_ ? factor_.get() : nullptr; }
@@ -103,6 +105,7 @@ class EquilibriumSolver {
   Contact contact_;
   MinimiseWorkspace work_;
   bool has_factor_ = false;
+  bool can_predict_ = false;     ///< the factor is near enough to the last result for a prediction
   State solved_;                 ///< last result, of which factor and stiffness are
   Eigen::VectorXd lowest_mode_;  ///< direction of least stiffness of a saddle
 };

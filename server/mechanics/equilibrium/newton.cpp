@@ -21,6 +21,7 @@ constexpr double kShareIfShort = 0.2;
 constexpr double kShareIfIndefinite = 0.25;
 constexpr double kShareOfExact = 0.02;  // below it, none
 constexpr double kShortStep = 0.4;      // of the first trial
+constexpr int kMostShortSteps = 6;      // one after the other
 constexpr double kAway = 100.0;         // extents: farther than this a mesh is not held
 
 class Newton {
@@ -119,13 +120,22 @@ class Newton {
     // forces and stiffness at once: most first trials are taken
     const bool is_finite = evaluate(work_.trial_state, share_, work_.trial);
     if (!(is_finite && is_better(work_.trial, first * slope))) {
-      if (-slope <= energy_noise_J()) return MinimiseEnd::at_rounding;
+      if (-slope <= energy_noise_J()) {
+        if (work_.current.positive_share == 0.0 || has_tried_exact_)
+          return MinimiseEnd::at_rounding;
+        has_tried_exact_ = true;  // a poor direction may look like rounding
+        share_ = 0.0;
+        if (!evaluate(state_, share_, work_.current)) return MinimiseEnd::no_descent;
+        return std::nullopt;
+      }
       const auto fraction = search(first, slope, is_finite);
       if (!fraction) return MinimiseEnd::no_descent;
       share_ = *fraction < kShortStep * first ? std::clamp(kShareGrowth * share, kShareIfShort, 1.0)
                                               : share;
       potential_.unknowns.move(state_, work_.step, *fraction, work_.trial_state);
       if (!evaluate(work_.trial_state, share_, work_.trial)) return MinimiseEnd::no_descent;
+    } else {
+      short_steps_ = 0;
     }
     std::swap(state_, work_.trial_state);
     std::swap(work_.current, work_.trial);
@@ -165,6 +175,8 @@ class Newton {
   Eigen::VectorXd start_;
   double extent_ = 0.0;
   double max_move_ = 0.0;
+  int short_steps_ = 0;
+  bool has_tried_exact_ = false;
   double share_ = 1.0;  ///< positive share of the stiffness, see ModelOutput
 };
 

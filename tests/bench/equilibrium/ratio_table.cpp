@@ -56,8 +56,8 @@ void RatioTable::ReportRuns(const std::vector<Run>& runs) {
 }
 
 void RatioTable::Finalize() {
-  std::printf("%-24s %-28s %10s %7s %9s %8s %7s %9s\n", "case", "way", "ms", "floors", "Mflop",
-              "GF/s", "MB", "residual");
+  std::printf("%-24s %-28s %10s %7s %6s %9s %9s %8s %7s %9s\n", "case", "way", "ms", "floors",
+              "steps", "a step", "Mflop", "GF/s", "MB", "check");
   for (auto& [name, rows] : cases_)  // turns end in any order
     std::sort(rows.begin(), rows.end(),
               [](const Row& a, const Row& b) { return a.place < b.place; });
@@ -70,8 +70,9 @@ void RatioTable::Finalize() {
       if (entry.name.starts_with("floor")) floor = std::min(floor, median(entry.milliseconds));
     for (const Row& entry : rows) {
       const double time = median(entry.milliseconds), mflop = counter(entry.counters, "Mflop");
-      std::printf("%-24s %-28s %10.3f %7.2f %9.1f %8.1f %7.1f %9.1e\n", name.c_str(),
-                  entry.name.c_str(), time, time / floor, mflop, mflop / time,
+      std::printf("%-24s %-28s %10.3f %7.2f %6.0f %9.2f %9.1f %8.1f %7.1f %9.1e\n", name.c_str(),
+                  entry.name.c_str(), time, time / floor, counter(entry.counters, "iterations"),
+                  time / floor / counter(entry.counters, "iterations"), mflop, mflop / time,
                   counter(entry.counters, "MB"), counter(entry.counters, "check"));
     }
   }

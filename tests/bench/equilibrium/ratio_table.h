@@ -14,7 +14,8 @@
 namespace tenter::mechanics::bench {
 
 /// Benchmarks are named "case/way". The floor of a case is the fastest of its ways whose name
-/// begins with "floor". Counters "check" (residual of the answer), "Mflop" and "MB" become columns.
+/// begins with "floor". Counters "iterations", "check" (residual of the answer or net force, N),
+/// "Mflop" and "MB" become columns.
 class RatioTable : public benchmark::BenchmarkReporter {
  public:
   bool ReportContext(const Context& context) override;

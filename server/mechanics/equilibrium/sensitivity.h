@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How an equilibrium and its reactions answer to a change of parameters or of what is held: the
+// implicit function theorem with the factor that the solver left behind (thesis (3.7), (4.9)).
+//
+//   F(x, p) = dPi/dx over what is free = 0      dx/dp = -(dF/dx)^-1 dF/dp
+//   G(x, p) = dPi/dx over all nodes             dG/dp = dG/dx dx/dp + the partial one
+//
+//   auto change = sensitivity_by_parameter(solver, parameters, state);   // columns: parameters
+//   Wrench w = reaction_change(clip, state.x, result.by_node, *change, column, about);
+//   auto gradient = objective_by_parameter(solver, parameters, state, by_x, by_gradient);  //
+//   adjoint
+//
+// Exact, also where nodes touch obstacles as long as the set of those that touch stays the same.
+// Costs one solve per column (adjoint: one in all) and, with contact, one per touching node.
+// Requires solver.factor(): errors of kind `refused` where the last result was no checked minimum.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "common/base/error.h"
+#include "server/mechanics/equilibrium/equilibrium.h"
+
+namespace tenter::mechanics {
+
+struct Sensitivity {
+  Eigen::MatrixXd x;         ///< (3 nodes) x columns: dx, m per unit of the column's cause
+  Eigen::MatrixXd gradient;  ///< the same size: dG, N per unit; zero where nodes are free
+};
+
+/// By every parameter of the model.
+Expected<Sensitivity> sensitivity_by_parameter(EquilibriumSolver& solver,
+                                               const Eigen::VectorXd& parameters,
+                                               const State& state);
+
+/// By displacements of what is held: each column moves nodes that are held or in prescribed clips
+/// (m, 3 numbers a node; zero at all others).
+Expected<Sensitivity> sensitivity_by_displacement(EquilibriumSolver& solver, const State& state,
+                                                  const Eigen::MatrixXd& held_m);
+
+/// Change of reaction() with one column; `about_m` stays.
+Wrench reaction_change(const Clip& clip, const Eigen::VectorXd& x, const Eigen::VectorXd& gradient,
+                       const Sensitivity& change, int column, const Eigen::Vector3d& about_m);
+
+/// dL/dp of an objective L(x, G), from its derivatives by positions and by the gradient G.
+Expected<Eigen::VectorXd> objective_by_parameter(EquilibriumSolver& solver,
+                                                 const Eigen::VectorXd& parameters,
+                                                 const State& state, const Eigen::VectorXd& by_x,
+                                                 const Eigen::VectorXd& by_gradient);
+
+}  // namespace tenter::mechanics

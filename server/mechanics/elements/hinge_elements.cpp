@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "server/mechanics/elements/arc_tangent.h"
 #include "server/mechanics/elements/scatter.h"
 
 namespace tenter::mechanics {
@@ -54,11 +55,28 @@ TENTER_INLINE void angle_gradient(const Hinge8& h, Lanes3 (&g)[3]) {
   g[0] = (0.0 * h.length - 1.0) * sum;
 }
 
-/// block += s (a b' + b a')
-TENTER_INLINE void add_symmetric(Lanes33& block, const Lanes& s, const Lanes3& a, const Lanes3& b) {
-  const Lanes3 sa = s * a;
-  add_outer(block, sa, b);
-  add_outer(block, b, sa);
+/// a b' + b a': the entries of the lower triangle.
+struct Symmetric {
+  Lanes xx, yx, zx, yy, zy, zz;
+};
+
+TENTER_INLINE Symmetric symmetric_product(const Lanes3& a, const Lanes3& b) {
+  return {2.0 * a.x * b.x, a.y * b.x + a.x * b.y, a.z * b.x + a.x * b.z,
+          2.0 * a.y * b.y, a.z * b.y + a.y * b.z, 2.0 * a.z * b.z};
+}
+
+/// block += s k
+TENTER_INLINE void add_symmetric(Lanes33& block, const Lanes& s, const Symmetric& k) {
+  const Lanes yx = s * k.yx, zx = s * k.zx, zy = s * k.zy;
+  block.v[0] += s * k.xx;
+  block.v[1] += yx;
+  block.v[2] += zx;
+  block.v[3] += yx;
+  block.v[4] += s * k.yy;
+  block.v[5] += zy;
+  block.v[6] += zx;
+  block.v[7] += zy;
+  block.v[8] += s * k.zz;
 }
 
 // Places in the lower triangle of 4 x 4 blocks.
@@ -80,14 +98,14 @@ TENTER_INLINE void blocks_of(const Hinge8& h, const Lanes& psi_theta, const Lane
     const Lanes per_height = 1.0 / w.height;
     const Lanes a_over_l = w.foot * per_length;
     const Lanes t_pp = psi_theta * per_height * per_height;
-    const Lanes3 n = w.n;
-    add_symmetric(blocks[pair(side + 2, side + 2)], -t_pp, n, w.m);
-    add_symmetric(blocks[pair(side + 2, 1)], a_over_l * t_pp, n, w.m);
-    add_outer(blocks[pair(side + 2, 1)], (-psi_theta * per_length * per_height) * h.t, n);
+    const Symmetric t_nm = symmetric_product(w.n, w.m);
+    add_symmetric(blocks[pair(side + 2, side + 2)], -t_pp, t_nm);
+    add_symmetric(blocks[pair(side + 2, 1)], a_over_l * t_pp, t_nm);
+    add_outer(blocks[pair(side + 2, 1)], (-psi_theta * per_length * per_height) * h.t, w.n);
     add_symmetric(blocks[pair(1, 1)],
-                  -(0.5 * psi_theta * per_length * per_length + a_over_l * a_over_l * t_pp), n,
-                  w.m);
-    add_symmetric(blocks[pair(1, 1)], psi_theta * a_over_l * per_length * per_height, n, h.t);
+                  -(0.5 * psi_theta * per_length * per_length + a_over_l * a_over_l * t_pp), t_nm);
+    add_symmetric(blocks[pair(1, 1)], psi_theta * a_over_l * per_length * per_height,
+                  symmetric_product(w.n, h.t));
   }
 }
 
@@ -127,7 +145,7 @@ TENTER_KERNEL void hinge_angles(const HingeElements& hinges, const double* posit
     const Hinge8 h = hinge_of(hinges, positions, first + e);
     const Lanes cosine = dot(h.wing[0].n, h.wing[1].n);
     const Lanes sine = dot(cross(h.wing[0].n, h.wing[1].n), h.t);
-    for (int l = 0; l < kLanes; ++l) theta[e + l] = std::atan2(sine[l], cosine[l]);
+    store(arc_tangent(sine, cosine), theta + e);
   }
 }
 

@@ -26,8 +26,7 @@ struct ClothBetween {
     start.x.resize(3 * model.node_count());
     for (int n = 0; n < model.node_count(); ++n) {
       const Eigen::Vector2d at = cloth.mesh.material_m.col(n);
-      start.x.segment<3>(3 * n) << at.x(), at.y(),
-          2e-3 * std::sin(40.0 * at.x()) * at.y() / 0.1;
+      start.x.segment<3>(3 * n) << at.x(), at.y(), 2e-3 * std::sin(40.0 * at.x()) * at.y() / 0.1;
     }
     const auto masses = lumped_masses_kg(cloth.mesh, 0.2);
     loads.node_mass_kg =
@@ -58,8 +57,9 @@ struct Solved {
   EquilibriumResult result;
 };
 
-Solved solve(EquilibriumSolver& solver, const ClothBetween& setup, const Eigen::VectorXd& parameters,
-             const State& start, const EquilibriumOptions& options) {
+Solved solve(EquilibriumSolver& solver, const ClothBetween& setup,
+             const Eigen::VectorXd& parameters, const State& start,
+             const EquilibriumOptions& options) {
   Solved solved{start, {}};
   auto result = solver.solve(parameters, setup.loads, solved.state, options);
   EXPECT_TRUE(result) << (result ? "" : result.error().message);

@@ -9,33 +9,45 @@
 #include "server/mechanics/assembly/mesh_model.h"
 #include "server/mechanics/assembly/positive_part.h"
 #include "server/mechanics/elements/from_mesh.h"
+#include "server/mechanics/principal_stretch.h"
 
 namespace tenter::mechanics {
 
-/// What the elements of a hinge group see; the others see entries of C.
-inline void see(const HingeElements& elements, const double* x, int first, int count, double* z) {
+/// What the elements of a hinge group see; the others see entries of C. False: a solid element is
+/// flat or turned inside out.
+inline bool see(const HingeElements& elements, const double* x, int first, int count, double* z) {
   hinge_angles(elements, x, first, count, z);
+  return true;
 }
 template <int N, int D>
-void see(const GradientElements<N, D>& elements, const double* x, int first, int count, double* z) {
+bool see(const GradientElements<N, D>& elements, const double* x, int first, int count, double* z) {
   cauchy_green(elements, x, first, count, z);
+  if constexpr (D == 3) {
+    double j[kChunk];
+    volume_ratios(elements, x, first, count, j);
+    // positions that are not numbers pass: what follows from them says so
+    return std::none_of(j, j + count, [](double ratio) { return ratio <= kCollapsedStretch; });
+  }
+  return true;
 }
 
 struct GroupTerm {
   std::shared_ptr<const ChunkStrain> strain;
   std::shared_ptr<const Law> law;
   int first_parameter = 0;
-  std::vector<double> measure;  ///< m^2: the element's, times the weight of the support there
+  std::vector<double>
+      measure;  ///< m^2 or m^3: the element's, times the weight of the support there
 };
 
 class MeshModel::Group {
  public:
   virtual ~Group() = default;
   /// Adds to what is wanted of `output`.
-  virtual void add(const double* x, const double* parameters, const ModelOutput& output) const = 0;
+  virtual AssemblyStatus add(const double* x, const double* parameters,
+                             const ModelOutput& output) const = 0;
   /// Adds d2E/dx dp into the columns of its own parameters.
-  virtual void add_by_parameter(const double* x, const double* parameters,
-                                Eigen::MatrixXd& result) const = 0;
+  virtual AssemblyStatus add_by_parameter(const double* x, const double* parameters,
+                                          Eigen::MatrixXd& result) const = 0;
   virtual std::vector<std::pair<int, int>> pairs() const = 0;
   virtual void find_slots(const NodeMatrix& matrix) = 0;
 
@@ -54,14 +66,15 @@ class ElementGroup final : public MeshModel::Group {
     elements_.slots = block_slots(matrix, elements_.nodes);
   }
 
-  void add(const double* x, const double* parameters, const ModelOutput& output) const override {
+  AssemblyStatus add(const double* x, const double* parameters,
+                     const ModelOutput& output) const override {
     const bool wants_forces = output.gradient || output.stiffness;
     Chunk chunk;
     for (int first = 0; first < elements_.count(); first += kChunk) {
       const int count = std::min(kChunk, elements_.count() - first);
       double psi_z[Z * kChunk] = {};
       double psi_zz[c_entries(Z) * kChunk] = {};
-      see(elements_, x, first, count, chunk.z);
+      if (!see(elements_, x, first, count, chunk.z)) return AssemblyStatus::inverted;
       for (const GroupTerm& term : terms) {
         LawBatch batch = chunk.batch(count, output.energy != nullptr, output.stiffness != nullptr);
         term.strain->strains(chunk.z, first, count, chunk.strain);
@@ -79,14 +92,15 @@ class ElementGroup final : public MeshModel::Group {
       if (output.stiffness)
         add_stiffness(elements_, x, first, count, psi_z, psi_zz, *output.stiffness);
     }
+    return AssemblyStatus::ok;
   }
 
-  void add_by_parameter(const double* x, const double* parameters,
-                        Eigen::MatrixXd& result) const override {
+  AssemblyStatus add_by_parameter(const double* x, const double* parameters,
+                                  Eigen::MatrixXd& result) const override {
     Chunk chunk;
     for (int first = 0; first < elements_.count(); first += kChunk) {
       const int count = std::min(kChunk, elements_.count() - first);
-      see(elements_, x, first, count, chunk.z);
+      if (!see(elements_, x, first, count, chunk.z)) return AssemblyStatus::inverted;
       for (const GroupTerm& term : terms) {
         term.strain->strains(chunk.z, first, count, chunk.strain);
         for (int p = 0; p < term.law->parameter_count(); ++p) {
@@ -99,6 +113,7 @@ class ElementGroup final : public MeshModel::Group {
         }
       }
     }
+    return AssemblyStatus::ok;
   }
 
  private:

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A model bound to a cloth: energy, forces, stiffness, and how the forces change with every
-// parameter.
+// A model bound to a cloth or a solid: energy, forces, stiffness, and how the forces change with
+// every parameter.
 //
 //   E(x, p) = sum over terms, over the elements of the term's measure   m w psi(eps(x), p)
 //
-// m: area of the element, w: weight of the term's support there, psi: energy per area (N/m) of the
-// law. Path-dependent laws answer as never strained before. Terms on the same elements are summed
-// before nodes are touched: elements/ turns the sum into forces and 3 x 3 blocks once.
+// m: area or volume of the element, w: weight of the term's support there, psi: energy per area
+// (N/m) or volume (N/m^2) of the law. Tetrahedra have one quadrature point, hexahedra eight (thesis
+// 4.2.6), and each counts as an element. Path-dependent laws answer as never strained before. Terms
+// on the same elements are summed before nodes are touched: elements/ turns the sum into forces and
+// 3 x 3 blocks once.
 //
 //   auto model = MeshModel::make(description, cloth);
 //   NodeMatrix matrix = model->matrix();
@@ -25,11 +27,15 @@
 #include "common/model/model.h"
 #include "server/mechanics/assembly/cloth.h"
 #include "server/mechanics/elements/node_matrix.h"
+#include "server/mechanics/mesh/solid_mesh.h"
 
 namespace tenter::mechanics {
 
 enum class AssemblyStatus {
   ok,
+  inverted,   ///< a solid element is flat or turned inside out (det F <= kCollapsedStretch), which
+              ///< its strains, functions of F'F, do not show; outputs are not to be used, and a
+              ///< line search takes the step for one of infinite energy
   not_finite  ///< an element has collapsed (an edge or a triangle's height of zero length) or a law
               ///< left the range of numbers; outputs are not to be used
 };
@@ -49,6 +55,10 @@ class MeshModel {
   /// bad_input names the term: a solid's strain, an unknown name, an rbf support without two
   /// coordinates, or a measure of which this cloth has no element.
   static Expected<MeshModel> make(const model::Model& model, const Cloth& cloth);
+  /// The same for a mesh of tetrahedra, hexahedra or both: every term acts on all of them.
+  /// bad_input: a strain of cloth, an unknown name, an rbf support without three coordinates, or a
+  /// mesh that does not pass check().
+  static Expected<MeshModel> make(const model::Model& model, const SolidMesh& mesh);
 
   int node_count() const { return node_count_; }
   int parameter_count() const { return parameter_count_; }
@@ -63,7 +73,8 @@ class MeshModel {
                                                      const Eigen::VectorXd& parameters,
                                                      Eigen::MatrixXd& result) const;
 
-  class Group;  ///< elements of one kind, and the terms on them (element_group.h)
+  class Group;    ///< elements of one kind, and the terms on them (element_group.h)
+  class Builder;  ///< what the two makers have in common (model_builder.h)
 
  private:
   int node_count_ = 0;

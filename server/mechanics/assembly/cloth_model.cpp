@@ -9,31 +9,44 @@ using MembraneGroup = ElementGroup<TriangleElements, 3>;
 using SpringGroup = ElementGroup<EdgeElements, 1>;
 using HingeGroup = ElementGroup<HingeElements, 1>;
 
-/// Springs that a measure of the edge domain acts on: ring and direction are in its name.
-std::vector<Spring> springs_of(const std::string& measure, const Springs& springs) {
-  const bool ring2 = measure.starts_with("ring2");
-  std::vector<Spring> chosen;
-  for (const Spring& s : ring2 ? springs.ring2 : springs.ring1) {
-    const bool rises = s.angle_rad > 0.0;
-    if (measure.ends_with("_u")              ? s.direction == Direction::weft
-        : measure.ends_with("_v")            ? s.direction == Direction::warp
-        : s.direction != Direction::diagonal ? false
-        : measure.ends_with("_d1")           ? rises
-        : measure.ends_with("_d2")           ? !rises
-                                             : true)
-      chosen.push_back(s);
+/// Some of the springs or hinges of a cloth, and their numbers among all.
+template <class Element>
+struct Chosen {
+  std::vector<Element> list;
+  std::vector<int> number;
+
+  template <class Wanted>
+  Chosen(const std::vector<Element>& all, Wanted wanted) {
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (!wanted(all[k])) continue;
+      list.push_back(all[k]);
+      number.push_back(static_cast<int>(k));
+    }
   }
-  return chosen;
+};
+
+bool on_ring2(const std::string& measure) {
+  return measure.starts_with("ring2");
 }
 
-std::vector<Hinge> hinges_of(const std::string& measure, const std::vector<Hinge>& hinges) {
+/// Springs that a measure of the edge domain acts on: ring and direction are in its name.
+Chosen<Spring> springs_of(const std::string& measure, const Springs& springs) {
+  return {on_ring2(measure) ? springs.ring2 : springs.ring1, [&](const Spring& s) {
+            const bool rises = s.angle_rad > 0.0;
+            return measure.ends_with("_u")              ? s.direction == Direction::weft
+                   : measure.ends_with("_v")            ? s.direction == Direction::warp
+                   : s.direction != Direction::diagonal ? false
+                   : measure.ends_with("_d1")           ? rises
+                   : measure.ends_with("_d2")           ? !rises
+                                                        : true;
+          }};
+}
+
+Chosen<Hinge> hinges_of(const std::string& measure, const std::vector<Hinge>& hinges) {
   const Direction bend = measure.ends_with("_u")   ? Direction::weft
                          : measure.ends_with("_v") ? Direction::warp
                                                    : Direction::diagonal;
-  std::vector<Hinge> chosen;
-  for (const Hinge& h : hinges)
-    if (h.bend == bend) chosen.push_back(h);
-  return chosen;
+  return {hinges, [bend](const Hinge& h) { return h.bend == bend; }};
 }
 
 /// The elements of a term's domain and its strain on them.
@@ -51,20 +64,31 @@ Expected<MeshModel::Builder::Part> part_of(const model::Term& term, model::Domai
     auto strain = membrane_strain(term.strain);
     if (!strain) return bad_input(name_of(term) + strain.error().message);
     part.strain = *strain;
-    place(builder.group<MembraneGroup>("membrane", [&] { return triangle_elements(cloth.mesh); }));
+    place(builder.group("membrane", [&] {
+      return std::make_shared<MembraneGroup>(
+          triangle_elements(cloth.mesh), ElementKind::triangle,
+          numbers(static_cast<int>(cloth.mesh.triangles.size())));
+    }));
   } else if (domain == model::Domain::edge) {
     part.strain = spring_strain();
-    place(builder.group<SpringGroup>(
-        measure, [&] { return edge_elements(springs_of(measure, cloth.springs)); }));
+    place(builder.group(measure, [&] {
+      const Chosen<Spring> chosen = springs_of(measure, cloth.springs);
+      return std::make_shared<SpringGroup>(
+          edge_elements(chosen.list),
+          on_ring2(measure) ? ElementKind::spring_ring2 : ElementKind::spring_ring1, chosen.number);
+    }));
   } else {
-    const std::vector<Hinge> hinges = hinges_of(measure, cloth.hinges);
+    const Chosen<Hinge> chosen = hinges_of(measure, cloth.hinges);
     std::vector<double> rest, height;
-    for (const Hinge& h : hinges) {
+    for (const Hinge& h : chosen.list) {
       rest.push_back(h.rest_angle_rad);
       height.push_back(h.height_m);
     }
     part.strain = bending_strain(std::move(rest), height);
-    place(builder.group<HingeGroup>(measure, [&] { return hinge_elements(hinges); }));
+    place(builder.group(measure, [&] {
+      return std::make_shared<HingeGroup>(hinge_elements(chosen.list), ElementKind::hinge,
+                                          chosen.number);
+    }));
   }
   return part;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "server/mechanics/assembly/chunk_strain.h"
@@ -34,9 +35,9 @@ bool see(const GradientElements<N, D>& elements, const double* x, int first, int
 struct GroupTerm {
   std::shared_ptr<const ChunkStrain> strain;
   std::shared_ptr<const Law> law;
+  int term = 0;  ///< its place among the model's
   int first_parameter = 0;
-  std::vector<double>
-      measure;  ///< m^2 or m^3: the element's, times the weight of the support there
+  std::vector<double> measure;  ///< of the element, times the support's weight there
 };
 
 class MeshModel::Group {
@@ -48,17 +49,30 @@ class MeshModel::Group {
   /// Adds d2E/dx dp into the columns of its own parameters.
   virtual AssemblyStatus add_by_parameter(const double* x, const double* parameters,
                                           Eigen::MatrixXd& result) const = 0;
+  /// Adds to the entry of each of its terms.
+  virtual AssemblyStatus add_term_energies(const double* x, const double* parameters,
+                                           double* energies) const = 0;
+  /// [element * strains + i]; not_finite where one is not.
+  virtual AssemblyStatus strains_of(const GroupTerm& term, const double* x,
+                                    std::vector<double>& strain) const = 0;
   virtual std::vector<std::pair<int, int>> pairs() const = 0;
   virtual void find_slots(const NodeMatrix& matrix) = 0;
 
+  const ElementKind kind;
+  const std::vector<int> element;  ///< numbers of its elements among those of this kind
   std::vector<GroupTerm> terms;
+
+ protected:
+  Group(ElementKind its_kind, std::vector<int> numbers)
+      : kind(its_kind), element(std::move(numbers)) {}
 };
 
 /// `Z`: how many numbers the elements see.
 template <class Elements, int Z>
 class ElementGroup final : public MeshModel::Group {
  public:
-  explicit ElementGroup(Elements elements) : elements_(std::move(elements)) {}
+  ElementGroup(Elements elements, ElementKind its_kind, std::vector<int> numbers)
+      : Group(its_kind, std::move(numbers)), elements_(std::move(elements)) {}
 
   const Elements& elements() const { return elements_; }
   std::vector<std::pair<int, int>> pairs() const override { return coupled_nodes(elements_); }
@@ -116,6 +130,36 @@ class ElementGroup final : public MeshModel::Group {
     return AssemblyStatus::ok;
   }
 
+  AssemblyStatus add_term_energies(const double* x, const double* parameters,
+                                   double* energies) const override {
+    return each_chunk(x, [&](Chunk& chunk, int first, int count) {
+      for (const GroupTerm& term : terms) {
+        LawBatch batch = chunk.batch(count, true, false);
+        term.strain->strains(chunk.z, first, count, chunk.strain);
+        term.law->evaluate_batch(parameters + term.first_parameter, batch);
+        const double* measure = term.measure.data() + first;
+        for (int e = 0; e < count; ++e) energies[term.term] += measure[e] * chunk.energy[e];
+      }
+    });
+  }
+
+  AssemblyStatus strains_of(const GroupTerm& term, const double* x,
+                            std::vector<double>& strain) const override {
+    const int strains = term.strain->count();
+    strain.resize(static_cast<std::size_t>(strains * elements_.count()));
+    bool finite = true;
+    const AssemblyStatus status = each_chunk(x, [&](Chunk& chunk, int first, int count) {
+      term.strain->strains(chunk.z, first, count, chunk.strain);
+      double* out = strain.data() + strains * first;
+      for (int e = 0; e < count; ++e)
+        for (int i = 0; i < strains; ++i) {
+          *out = chunk.strain[i * kChunk + e];
+          finite = finite && std::isfinite(*out++);
+        }
+    });
+    return status == AssemblyStatus::ok && !finite ? AssemblyStatus::not_finite : status;
+  }
+
  private:
   /// One chunk on the stack.
   struct Chunk {
@@ -138,6 +182,18 @@ class ElementGroup final : public MeshModel::Group {
       return result;
     }
   };
+
+  /// work(chunk, first, count) with z of every chunk in turn.
+  template <class Work>
+  AssemblyStatus each_chunk(const double* x, Work work) const {
+    Chunk chunk;
+    for (int first = 0; first < elements_.count(); first += kChunk) {
+      const int count = std::min(kChunk, elements_.count() - first);
+      if (!see(elements_, x, first, count, chunk.z)) return AssemblyStatus::inverted;
+      work(chunk, first, count);
+    }
+    return AssemblyStatus::ok;
+  }
 
   static void stress_by_parameter(const GroupTerm& term, const double* parameters, int parameter,
                                   Chunk& chunk, int count) {

@@ -33,4 +33,38 @@ AssemblyStatus MeshModel::gradient_by_parameter(const Eigen::VectorXd& x,
   return result.allFinite() ? AssemblyStatus::ok : AssemblyStatus::not_finite;
 }
 
+AssemblyStatus MeshModel::term_energies(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
+                                        Eigen::VectorXd& energies) const {
+  energies.setZero(term_count_);
+  for (const auto& group : groups_) {
+    const AssemblyStatus status =
+        group->add_term_energies(x.data(), parameters.data(), energies.data());
+    if (status != AssemblyStatus::ok) return status;
+  }
+  return energies.allFinite() ? AssemblyStatus::ok : AssemblyStatus::not_finite;
+}
+
+AssemblyStatus MeshModel::term_strains(const Eigen::VectorXd& x,
+                                       std::vector<TermStrains>& strains) const {
+  std::size_t used = 0;
+  for (int term = 0; term < term_count_; ++term) {
+    for (const auto& group : groups_) {
+      for (const GroupTerm& part : group->terms) {
+        if (part.term != term) continue;
+        if (strains.size() == used) strains.emplace_back();
+        TermStrains& entry = strains[used++];
+        entry.term = term;
+        entry.kind = group->kind;
+        entry.element = group->element;
+        entry.measure = part.measure;
+        entry.strains = part.strain->count();
+        const AssemblyStatus status = group->strains_of(part, x.data(), entry.strain);
+        if (status != AssemblyStatus::ok) return status;
+      }
+    }
+  }
+  strains.resize(used);
+  return AssemblyStatus::ok;
+}
+
 }  // namespace tenter::mechanics

@@ -16,7 +16,7 @@
 //
 // Positions x: 3 numbers a node (m), in the order of the mesh. Outputs are over all nodes: at a
 // node that is held, the gradient is the reaction. Exact; O(elements x terms). Immutable: callable
-// from any thread; nothing allocates.
+// from any thread; nothing allocates once the outputs have their sizes.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,6 +26,7 @@
 #include "common/base/error.h"
 #include "common/model/model.h"
 #include "server/mechanics/assembly/cloth.h"
+#include "server/mechanics/assembly/term_strains.h"
 #include "server/mechanics/elements/node_matrix.h"
 #include "server/mechanics/mesh/solid_mesh.h"
 
@@ -73,12 +74,22 @@ class MeshModel {
                                                      const Eigen::VectorXd& parameters,
                                                      Eigen::MatrixXd& result) const;
 
+  int term_count() const { return term_count_; }
+  /// The part of the energy (J) of each term, in the order of the model's terms.
+  [[nodiscard]] AssemblyStatus term_energies(const Eigen::VectorXd& x,
+                                             const Eigen::VectorXd& parameters,
+                                             Eigen::VectorXd& energies) const;
+  /// One entry for each term and kind of element that it acts on, in the order of the terms.
+  [[nodiscard]] AssemblyStatus term_strains(const Eigen::VectorXd& x,
+                                            std::vector<TermStrains>& strains) const;
+
   class Group;    ///< elements of one kind, and the terms on them (element_group.h)
   class Builder;  ///< what the two makers have in common (model_builder.h)
 
  private:
   int node_count_ = 0;
   int parameter_count_ = 0;
+  int term_count_ = 0;
   NodeMatrix matrix_;
   std::vector<std::shared_ptr<const Group>> groups_;
 };

@@ -32,8 +32,9 @@ Expected<void> MeshModel::Builder::add(const model::Term& term, std::vector<Part
   const auto law = make_law(term.law, parts.front().strain->count());
   if (!law) return bad_input(name_of(term) + law.error().message);
   for (Part& part : parts)
-    part.group->terms.push_back(
-        {std::move(part.strain), *law, result_.parameter_count_, std::move(part.measure)});
+    part.group->terms.push_back({std::move(part.strain), *law, result_.term_count_,
+                                 result_.parameter_count_, std::move(part.measure)});
+  ++result_.term_count_;
   result_.parameter_count_ += (*law)->parameter_count();
   return {};
 }
@@ -55,6 +56,12 @@ MeshModel MeshModel::Builder::finish() {
 
 std::string name_of(const model::Term& term) {
   return "term \"" + term.id + "\": ";
+}
+
+std::vector<int> numbers(int count, int per) {
+  std::vector<int> list(static_cast<std::size_t>(count));
+  for (int e = 0; e < count; ++e) list[static_cast<std::size_t>(e)] = e / per;
+  return list;
 }
 
 std::vector<double> weighted(std::vector<double> measure, const Support& support,

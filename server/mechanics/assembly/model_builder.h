@@ -34,12 +34,13 @@ class MeshModel::Builder {
   /// does not fit.
   Expected<Site> site(const model::Term& term, bool is_solid) const;
 
-  /// The group of this name; its elements are made when the first term asks for them.
-  template <class Kind, class Make>
-  Kind& group(const std::string& name, Make elements) {
+  /// The group of this name, made when the first term asks for it.
+  template <class Make>
+  auto& group(const std::string& name, Make make) {
+    using Kind = typename decltype(make())::element_type;
     std::shared_ptr<Group>& found = groups_[name];
     if (!found) {
-      found = std::make_shared<Kind>(elements());
+      found = make();
       order_.push_back(found);
     }
     return static_cast<Kind&>(*found);
@@ -66,6 +67,9 @@ class MeshModel::Builder {
 
 /// How error sentences name a term.
 std::string name_of(const model::Term& term);
+
+/// 0, 1, ... of `count` elements, `per` in a row with the same number.
+std::vector<int> numbers(int count, int per = 1);
 
 /// Measures times the weight of the support at each element's place (a column, in the rest shape).
 std::vector<double> weighted(std::vector<double> measure, const Support& support,

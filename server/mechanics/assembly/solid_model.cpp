@@ -18,10 +18,16 @@ Expected<MeshModel> MeshModel::make(const model::Model& model, const SolidMesh& 
     if (!site) return tl::unexpected(site.error());
     const auto strain = solid_strain(term.strain);
     if (!strain) return bad_input(name_of(term) + strain.error().message);
-    auto& tetrahedra =
-        builder.group<TetrahedronGroup>("tetrahedra", [&] { return tetrahedron_elements(mesh); });
-    auto& points =
-        builder.group<HexahedronGroup>("hexahedra", [&] { return hexahedron_points(mesh); });
+    auto& tetrahedra = builder.group("tetrahedra", [&] {
+      return std::make_shared<TetrahedronGroup>(tetrahedron_elements(mesh),
+                                                ElementKind::tetrahedron,
+                                                numbers(static_cast<int>(mesh.tetrahedra.size())));
+    });
+    auto& points = builder.group("hexahedra", [&] {
+      return std::make_shared<HexahedronGroup>(
+          hexahedron_points(mesh), ElementKind::hexahedron_point,
+          numbers(8 * static_cast<int>(mesh.hexahedra.size()), 8));
+    });
     // a support is weighed where the energy is: at the quadrature point (thesis 4.2.6)
     const auto added = builder.add(
         term,

@@ -8,12 +8,13 @@
 namespace tenter::mechanics {
 
 AssemblyStatus MeshModel::evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
-                                   const ModelOutput& output) const {
+                                   const ModelOutput& output,
+                                   const EnergyLimitState* limits) const {
   if (output.energy) *output.energy = 0.0;
   if (output.gradient) output.gradient->setZero(3 * node_count_);
   if (output.stiffness) output.stiffness->set_zero();
   for (const auto& group : groups_) {
-    const AssemblyStatus status = group->add(x.data(), parameters.data(), output);
+    const AssemblyStatus status = group->add(x.data(), parameters.data(), output, limits);
     if (status != AssemblyStatus::ok) return status;
   }
   const bool finite = (!output.energy || std::isfinite(*output.energy)) &&
@@ -65,6 +66,16 @@ AssemblyStatus MeshModel::term_strains(const Eigen::VectorXd& x,
   }
   strains.resize(used);
   return AssemblyStatus::ok;
+}
+
+AssemblyStatus MeshModel::limit_excess(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
+                                       Eigen::VectorXd& excess) const {
+  excess.resize(limited_count_);
+  for (const auto& group : groups_) {
+    const AssemblyStatus status = group->limit_excess(x.data(), parameters.data(), excess.data());
+    if (status != AssemblyStatus::ok) return status;
+  }
+  return excess.allFinite() ? AssemblyStatus::ok : AssemblyStatus::not_finite;
 }
 
 }  // namespace tenter::mechanics

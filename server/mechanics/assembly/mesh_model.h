@@ -26,6 +26,7 @@
 #include "common/base/error.h"
 #include "common/model/model.h"
 #include "server/mechanics/assembly/cloth.h"
+#include "server/mechanics/assembly/energy_limit.h"
 #include "server/mechanics/assembly/term_strains.h"
 #include "server/mechanics/elements/node_matrix.h"
 #include "server/mechanics/mesh/solid_mesh.h"
@@ -53,8 +54,9 @@ struct ModelOutput {
 
 class MeshModel {
  public:
-  /// bad_input names the term: a solid's strain, an unknown name, an rbf support without two
-  /// coordinates, or a measure of which this cloth has no element.
+  /// bad_input names the term or the limit: a solid's strain, an unknown name, an rbf support
+  /// without two coordinates, a measure of which this cloth has no element, or a limit on terms of
+  /// different elements.
   static Expected<MeshModel> make(const model::Model& model, const Cloth& cloth);
   /// The same for a mesh of tetrahedra, hexahedra or both: every term acts on all of them.
   /// bad_input: a strain of cloth, an unknown name, an rbf support without three coordinates, or a
@@ -66,10 +68,13 @@ class MeshModel {
   /// Zero, with the pattern of the stiffness.
   NodeMatrix matrix() const { return matrix_; }
 
+  /// With `limits`, the model's energy limits add their part to all outputs (energy_limit.h; their
+  /// multipliers have the size limited_count()); without, they are not enforced.
   [[nodiscard]] AssemblyStatus evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
-                                        const ModelOutput& output) const;
+                                        const ModelOutput& output,
+                                        const EnergyLimitState* limits = nullptr) const;
 
-  /// d2E/dx dp: (3 nodes) x parameters, column by column.
+  /// d2E/dx dp: (3 nodes) x parameters, column by column; without the energy limits.
   [[nodiscard]] AssemblyStatus gradient_by_parameter(const Eigen::VectorXd& x,
                                                      const Eigen::VectorXd& parameters,
                                                      Eigen::MatrixXd& result) const;
@@ -83,6 +88,14 @@ class MeshModel {
   [[nodiscard]] AssemblyStatus term_strains(const Eigen::VectorXd& x,
                                             std::vector<TermStrains>& strains) const;
 
+  /// Elements under the description's energy limits: none where it has none.
+  int limited_count() const { return limited_count_; }
+  const std::vector<LimitedElements>& limited() const { return limited_; }
+  /// psi - psi_max (J/m^2 or J/m^3) of each: above zero where a limit is violated.
+  [[nodiscard]] AssemblyStatus limit_excess(const Eigen::VectorXd& x,
+                                            const Eigen::VectorXd& parameters,
+                                            Eigen::VectorXd& excess) const;
+
   class Group;    ///< elements of one kind, and the terms on them (element_group.h)
   class Builder;  ///< what the two makers have in common (model_builder.h)
 
@@ -90,6 +103,8 @@ class MeshModel {
   int node_count_ = 0;
   int parameter_count_ = 0;
   int term_count_ = 0;
+  int limited_count_ = 0;
+  std::vector<LimitedElements> limited_;
   NodeMatrix matrix_;
   std::vector<std::shared_ptr<const Group>> groups_;
 };

@@ -2,6 +2,7 @@
 #include "server/mechanics/assembly/model_builder.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tenter::mechanics {
 
@@ -39,7 +40,44 @@ Expected<void> MeshModel::Builder::add(const model::Term& term, std::vector<Part
   return {};
 }
 
-MeshModel MeshModel::Builder::finish() {
+Expected<void> MeshModel::Builder::add_limit(const model::EnergyLimit& limit) {
+  const std::string name = "limit \"" + limit.id + "\": ";
+  if (!std::isfinite(limit.energy_max) || !(limit.energy_max > 0.0))
+    return bad_input(name + "its energy_max must be a finite number above 0");
+  std::vector<int> wanted;
+  for (const std::string& id : limit.terms) {
+    const auto& terms = description_.terms;
+    const auto found = std::find_if(terms.begin(), terms.end(),
+                                    [&](const model::Term& term) { return term.id == id; });
+    if (found == terms.end()) return bad_input(name + "the model has no term \"" + id + "\"");
+    wanted.push_back(static_cast<int>(found - terms.begin()));
+  }
+  if (limit.terms.empty()) wanted = numbers(result_.term_count_);
+  std::sort(wanted.begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  for (const auto& group : order_) {
+    GroupLimit part;
+    for (std::size_t k = 0; k < group->terms.size(); ++k)
+      if (std::binary_search(wanted.begin(), wanted.end(), group->terms[k].term))
+        part.terms.push_back(static_cast<int>(k));
+    if (part.terms.empty()) continue;
+    if (part.terms.size() != wanted.size())
+      return bad_input(name +
+                       "its terms act on different elements, so that their energies have "
+                       "no sum");
+    part.energy_max = limit.energy_max;
+    part.first = result_.limited_count_;
+    result_.limited_.push_back(
+        {limit.id, limit.energy_max, group->kind, part.first, group->element, group->measure()});
+    result_.limited_count_ += static_cast<int>(group->element.size());
+    group->limits.push_back(std::move(part));
+  }
+  return {};
+}
+
+Expected<MeshModel> MeshModel::Builder::finish() {
+  for (const model::EnergyLimit& limit : description_.limits)
+    if (auto added = add_limit(limit); !added) return tl::unexpected(added.error());
   std::vector<std::pair<int, int>> pairs;
   for (const auto& group : order_) {
     const auto more = group->pairs();

@@ -56,9 +56,12 @@ class MeshModel::Builder {
   /// law that does not take its strains.
   Expected<void> add(const model::Term& term, std::vector<Part> parts);
 
-  MeshModel finish();
+  /// bad_input names the limit: a term that is not there, terms on different elements, no maximum.
+  Expected<MeshModel> finish();
 
  private:
+  Expected<void> add_limit(const model::EnergyLimit& limit);
+
   const model::Model& description_;
   MeshModel result_;
   std::map<std::string, std::shared_ptr<Group>> groups_;

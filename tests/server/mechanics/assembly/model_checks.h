@@ -46,6 +46,13 @@ inline Eigen::VectorXd values_of(const model::Model& model) {
   return Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
+/// A limit of 1 J/m^2 or 1 J/m^3 on these terms; none: on all.
+inline model::EnergyLimit limit_of(const model::Model& model, std::vector<std::string> terms,
+                                   const std::string& id = "lock") {
+  const model::StrainRow* row = model::find_strain(model.terms.front().strain.name);
+  return {id, std::move(terms), 1.0, std::string(model::energy_density_unit(row->domain))};
+}
+
 /// Forces, stiffness and derivatives by parameter at x, against differences with this step.
 inline void check_model(const MeshModel& model, const Eigen::VectorXd& parameters,
                         const Eigen::VectorXd& x, double step) {

@@ -2,6 +2,7 @@
 // MeshModel on tetrahedra, hexahedra and both.
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <limits>
 
@@ -142,6 +143,49 @@ TEST(SolidModel, NeoHookeanEnergyIsTheTextbooks) {
     EXPECT_GT(expected, 0.1);
     EXPECT_NEAR(answer_at(*model, parameters, affine(body.mesh, f)).energy, expected,
                 1e-12 * expected);
+  }
+}
+
+/// Over all unknowns.
+Eigen::MatrixXd dense(const NodeMatrix& matrix) {
+  const Eigen::Index size = 3 * matrix.node_count();
+  Eigen::MatrixXd full = Eigen::MatrixXd::Zero(size, size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(size, i);
+    matrix.multiply_add(unit.data(), full.col(i).data());
+  }
+  return full;
+}
+
+// Compressed, a solid's stiffness has negative directions; its positive part has none, also where
+// an energy limit adds to it.
+TEST(SolidModel, ThePositivePartHasNoNegativeDirection) {
+  const Eigen::Matrix3d squeeze = Eigen::Vector3d(0.5, 0.9, 0.8).asDiagonal();
+  for (const SolidBody& body : solid_bodies()) {
+    for (model::Model description : presets_of(Body::solid)) {
+      SCOPED_TRACE(body.name + ", " + description.name);
+      description.limits = {limit_of(description, {})};
+      const auto model = MeshModel::make(description, body.mesh);
+      ASSERT_TRUE(model);
+      const EnergyLimitState limits{Eigen::VectorXd::Constant(model->limited_count(), 0.3), 1e-4};
+      const auto lowest = [&](double share, const EnergyLimitState* state) {
+        NodeMatrix matrix = model->matrix();
+        ModelOutput output;
+        output.stiffness = &matrix;
+        output.positive_share = share;
+        EXPECT_EQ(
+            model->evaluate(affine(body.mesh, squeeze), values_of(description), output, state),
+            AssemblyStatus::ok);
+        const Eigen::VectorXd eigenvalues =
+            Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense(matrix)).eigenvalues();
+        return eigenvalues[0] / eigenvalues.tail(1)[0];
+      };
+      for (const EnergyLimitState* state :
+           {static_cast<const EnergyLimitState*>(nullptr), &limits}) {
+        EXPECT_LT(lowest(0.0, state), -1e-4);
+        EXPECT_GT(lowest(1.0, state), -1e-13);
+      }
+    }
   }
 }
 

@@ -64,6 +64,10 @@ std::string_view words_of(Domain domain) {
   return "";
 }
 
+std::string_view energy_density_unit(Domain domain) {
+  return domain == Domain::solid ? "J/m^3" : "J/m^2";
+}
+
 ParameterRow in_domain(const ParameterRow& row, Domain domain) {
   ParameterRow result = row;
   const bool energy = row.unit == "N/m" || row.unit == "N s/m";

@@ -79,6 +79,9 @@ constexpr int kMaxControlPoints = 64;
 /// "membrane", "edge", "hinge" or "solid".
 std::string_view words_of(Domain domain);
 
+/// Of energy per area or volume, as energy limits give it: "J/m^2", in solids "J/m^3".
+std::string_view energy_density_unit(Domain domain);
+
 /// A row with the unit of its domain, and bounds and default scaled to what is usual there: a
 /// solid's moduli are 10^3 times a membrane's, a curvature is 10^3 (1/m) times a strain, and the
 /// energy of bending a tenth of that of stretching: 100 N/m becomes 1e5 N/m^2 and 1e-5 N m.

@@ -78,6 +78,7 @@ class Node {
     return json_->get<double>();
   }
   bool is_number() const { return json_->is_number(); }
+  bool is_text() const { return json_->is_string(); }
   /// A whole number from 1 on.
   int index() const {
     const double value = number();
@@ -228,6 +229,31 @@ Field read_field(const Node& node) {
   return field;
 }
 
+/// A unit that is left out is that of the model's terms.
+EnergyLimit read_limit(const Node& node, const std::string& unit) {
+  node.expect_object({"id", "terms", "energy_max"});
+  EnergyLimit limit;
+  limit.id = node["id"].text();
+  const Node terms = node["terms"];
+  if (!terms.is_text()) {
+    limit.terms = terms.texts();
+    if (limit.terms.empty()) terms.refuse("must name a term, or be 'all'");
+  } else if (terms.text() != "all") {
+    terms.refuse("must be a list of terms or 'all', not '" + terms.text() + "'");
+  }
+  const Node energy = node["energy_max"];
+  limit.unit = unit;
+  if (energy.is_number()) {
+    limit.energy_max = energy.number();
+    return limit;
+  }
+  if (!energy.is_object()) energy.refuse("must be a number, or an object with the key 'value'");
+  energy.expect_object({"value", "unit"});
+  limit.energy_max = energy["value"].number();
+  limit.unit = energy.text_or("unit", unit);
+  return limit;
+}
+
 SensorCorrection read_correction(const Node& node) {
   node.expect_object({"id", "effect", "type", "capture", "component", "parameters"});
   SensorCorrection correction;
@@ -251,14 +277,19 @@ Model read_model(const Node& root) {
     root["schema"].refuse("must be 'tenter.model', not '" + root["schema"].text() + "'");
   if (root["version"].number() != 1)
     root["version"].refuse("this program reads version 1 of the model document");
-  root.expect_object({"schema", "version", "name", "description", "terms", "fields", "corrections",
-                      "strain_ranges", "lineage"});
+  root.expect_object({"schema", "version", "name", "description", "terms", "fields", "limits",
+                      "corrections", "strain_ranges", "lineage"});
   Model model;
   model.name = root["name"].text();
   model.description = root.text_or("description", "");
   for (const Node& term : root["terms"].list()) model.terms.push_back(read_term(term));
   if (root.has("fields"))
     for (const Node& field : root["fields"].list()) model.fields.push_back(read_field(field));
+  if (root.has("limits") && !model.terms.empty()) {
+    const StrainRow* row = find_strain(model.terms.front().strain.name);
+    for (const Node& limit : root["limits"].list())
+      model.limits.push_back(read_limit(limit, std::string(energy_density_unit(row->domain))));
+  }
   if (root.has("corrections"))
     for (const Node& correction : root["corrections"].list())
       model.corrections.push_back(read_correction(correction));

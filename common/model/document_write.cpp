@@ -64,6 +64,12 @@ Json write_field(const Field& field) {
   return {{"id", field.id}, {"positions_m", std::move(positions)}, {"width_m", field.width_m}};
 }
 
+Json write_limit(const EnergyLimit& limit) {
+  return {{"id", limit.id},
+          {"terms", limit.terms.empty() ? Json("all") : Json(limit.terms)},
+          {"energy_max", {{"value", limit.energy_max}, {"unit", limit.unit}}}};
+}
+
 Json write_correction(const SensorCorrection& correction) {
   Json object = {{"id", correction.id}};
   if (!correction.effect.empty()) object["effect"] = correction.effect;
@@ -86,6 +92,10 @@ std::string write_model(const Model& model) {
   if (!model.fields.empty()) {
     root["fields"] = Json::array();
     for (const Field& field : model.fields) root["fields"].push_back(write_field(field));
+  }
+  if (!model.limits.empty()) {
+    root["limits"] = Json::array();
+    for (const EnergyLimit& limit : model.limits) root["limits"].push_back(write_limit(limit));
   }
   if (!model.corrections.empty()) {
     root["corrections"] = Json::array();

@@ -66,6 +66,15 @@ struct Term {
   Support support;
 };
 
+/// A bound on an energy density (thesis 4.2.5): Psi_max - Psi_i >= 0 everywhere in the material,
+/// Psi_i the sum of some terms that act on the same elements, each with its support's weight.
+struct EnergyLimit {
+  std::string id;
+  std::vector<std::string> terms;  ///< their ids; none: all terms of the model
+  double energy_max = 0.0;         ///< above zero
+  std::string unit;                ///< "J/m^2" on cloth, "J/m^3" in solids
+};
+
 /// What a channel does to the true value, e.g. "offset", "gain", "drift", "delay".
 struct SensorCorrection {
   std::string id;
@@ -94,6 +103,7 @@ struct Model {
   std::string description;
   std::vector<Term> terms;
   std::vector<Field> fields;  ///< what supports refer to
+  std::vector<EnergyLimit> limits;
   std::vector<SensorCorrection> corrections;
   std::vector<StrainRange> strain_ranges;
   std::optional<Lineage> lineage;

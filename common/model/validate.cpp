@@ -184,6 +184,43 @@ Expected<void> check_term(const Term& term, const Model& model, const std::strin
   return check_law(term.law, *strain, path + ".law");
 }
 
+/// The terms must be there and act on the same elements, else their energies have no sum.
+Expected<void> check_limit(const EnergyLimit& limit, const Model& model, const std::string& path) {
+  if (!is_identifier(limit.id)) return bad_input(path + ".id: " + kIdentifierRule);
+  const Term* first = limit.terms.empty() ? &model.terms.front() : nullptr;
+  const auto check_with = [&](const Term& term, const std::string& here) -> Expected<void> {
+    if (first == nullptr) first = &term;
+    const StrainRow* a = find_strain(first->strain.name);
+    const StrainRow* b = find_strain(term.strain.name);
+    const bool by_name = a->domain == Domain::edge || a->domain == Domain::hinge;
+    if (a->domain != b->domain || (by_name && a != b))
+      return bad_input(here + ": '" + first->id + "' and '" + term.id +
+                       "' act on different elements, so that their energies have no sum");
+    return {};
+  };
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < limit.terms.size(); ++i) {
+    const std::string here = at(path + ".terms", i);
+    const Term* found = nullptr;
+    for (const Term& term : model.terms)
+      if (term.id == limit.terms[i]) found = &term;
+    if (found == nullptr) return bad_input(here + ": there is no term '" + limit.terms[i] + "'");
+    if (!seen.insert(limit.terms[i]).second)
+      return bad_input(here + ": '" + limit.terms[i] + "' is named twice");
+    if (auto checked = check_with(*found, here); !checked) return checked;
+  }
+  if (limit.terms.empty())
+    for (const Term& term : model.terms)
+      if (auto checked = check_with(term, path + ".terms"); !checked) return checked;
+  if (!std::isfinite(limit.energy_max) || !(limit.energy_max > 0.0))
+    return bad_input(path + ".energy_max.value: must be a finite number above 0");
+  const std::string_view unit = energy_density_unit(find_strain(first->strain.name)->domain);
+  if (limit.unit != unit)
+    return bad_input(path + ".energy_max.unit: is '" + limit.unit + "', must be '" +
+                     std::string(unit) + "'");
+  return {};
+}
+
 Expected<void> check_correction(const SensorCorrection& correction, const std::string& path) {
   if (!is_identifier(correction.id)) return bad_input(path + ".id: " + kIdentifierRule);
   if (!correction.effect.empty() && !is_identifier(correction.effect))
@@ -222,6 +259,12 @@ Expected<void> validate(const Model& model) {
     if (auto checked = check_term(model.terms[i], model, path); !checked) return checked;
     if (!ids.insert(model.terms[i].id).second)
       return bad_input(path + ".id: '" + model.terms[i].id + "' is used twice");
+  }
+  for (std::size_t i = 0; i < model.limits.size(); ++i) {
+    const std::string path = at("limits", i);
+    if (auto checked = check_limit(model.limits[i], model, path); !checked) return checked;
+    if (!ids.insert(model.limits[i].id).second)
+      return bad_input(path + ".id: '" + model.limits[i].id + "' is used twice");
   }
   for (std::size_t i = 0; i < model.corrections.size(); ++i) {
     const std::string path = at("corrections", i);

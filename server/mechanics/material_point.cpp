@@ -17,6 +17,9 @@ using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
 }  // namespace
 
 Expected<MaterialPoint> MaterialPoint::make(const model::Model& model) {
+  if (!model.limits.empty())
+    return bad_input("limit \"" + model.limits.front().id +
+                     "\": a material point does not enforce energy limits");
   MaterialPoint point;
   for (const model::Term& description : model.terms) {
     const std::string name = "term \"" + description.id + "\": ";

@@ -67,8 +67,8 @@ enum class PathStatus {
 class MaterialPoint {
  public:
   /// Terms of hinges and of springs over two edges bend a mesh: here they do nothing, and their
-  /// parameters keep their places with zero derivatives. bad_input for terms of solids and for
-  /// supports other than "everywhere".
+  /// parameters keep their places with zero derivatives. bad_input for terms of solids,
+  /// supports other than "everywhere" and energy limits.
   static Expected<MaterialPoint> make(const model::Model& model);
 
   int parameter_count() const { return parameter_count_; }

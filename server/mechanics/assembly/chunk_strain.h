@@ -6,7 +6,9 @@
 //   psi_kl += m sum_i (sigma_i d2eps_i/dz_k dz_l + sum_j S_ij deps_i/dz_k deps_j/dz_l)
 //
 // z and psi are in the layout of elements/: [row * kChunk + element], psi_kl as the upper triangle,
-// row by row. Membranes: z = (C_uu, C_vv, C_uv). Springs: z = (l/l0)^2. Hinges: z = theta.
+// row by row. Membranes: z = (C_uu, C_vv, C_uv). Solids: (C_xx, C_yy, C_zz, C_yz, C_xz, C_xy).
+// Springs: z = (l/l0)^2. Hinges: z = theta. Near principal stretches have the limit of the pair
+// (principal_stretch.h).
 //
 // Immutable; callable from any thread; no allocation.
 #pragma once
@@ -44,6 +46,9 @@ class ChunkStrain {
 
 /// Any membrane measure; those linear in z are faster.
 Expected<std::shared_ptr<const ChunkStrain>> membrane_strain(const model::StrainMeasure& measure);
+
+/// Any measure of solids; those linear in z are faster.
+Expected<std::shared_ptr<const ChunkStrain>> solid_strain(const model::StrainMeasure& measure);
 
 /// l/l0 - 1, thesis (3.1). A collapsed spring keeps its derivatives at kCollapsedStretch.
 std::shared_ptr<const ChunkStrain> spring_strain();

@@ -3,65 +3,105 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "server/mechanics/assembly/chunk_strain.h"
 #include "server/mechanics/assembly/mesh_model.h"
 #include "server/mechanics/assembly/positive_part.h"
 #include "server/mechanics/elements/from_mesh.h"
+#include "server/mechanics/principal_stretch.h"
 
 namespace tenter::mechanics {
 
-/// What the elements of a hinge group see; the others see entries of C.
-inline void see(const HingeElements& elements, const double* x, int first, int count, double* z) {
+/// What the elements of a hinge group see; the others see entries of C. False: a solid element is
+/// flat or turned inside out.
+inline bool see(const HingeElements& elements, const double* x, int first, int count, double* z) {
   hinge_angles(elements, x, first, count, z);
+  return true;
 }
 template <int N, int D>
-void see(const GradientElements<N, D>& elements, const double* x, int first, int count, double* z) {
+bool see(const GradientElements<N, D>& elements, const double* x, int first, int count, double* z) {
   cauchy_green(elements, x, first, count, z);
+  if constexpr (D == 3) {
+    double j[kChunk];
+    volume_ratios(elements, x, first, count, j);
+    // positions that are not numbers pass: what follows from them says so
+    return std::none_of(j, j + count, [](double ratio) { return ratio <= kCollapsedStretch; });
+  }
+  return true;
 }
 
 struct GroupTerm {
   std::shared_ptr<const ChunkStrain> strain;
   std::shared_ptr<const Law> law;
+  int term = 0;  ///< its place among the model's
   int first_parameter = 0;
-  std::vector<double> measure;  ///< m^2: the element's, times the weight of the support there
+  std::vector<double> measure;  ///< of the element, times the support's weight there
+};
+
+/// An energy limit on the elements of a group.
+struct GroupLimit {
+  std::vector<int> terms;  ///< places of the limited ones in the group
+  double energy_max = 0.0;
+  int first = 0;  ///< place of the group's first element in multipliers and excesses
 };
 
 class MeshModel::Group {
  public:
   virtual ~Group() = default;
   /// Adds to what is wanted of `output`.
-  virtual void add(const double* x, const double* parameters, const ModelOutput& output) const = 0;
+  virtual AssemblyStatus add(const double* x, const double* parameters, const ModelOutput& output,
+                             const EnergyLimitState* state) const = 0;
   /// Adds d2E/dx dp into the columns of its own parameters.
-  virtual void add_by_parameter(const double* x, const double* parameters,
-                                Eigen::MatrixXd& result) const = 0;
+  virtual AssemblyStatus add_by_parameter(const double* x, const double* parameters,
+                                          Eigen::MatrixXd& result) const = 0;
+  /// Adds to the entry of each of its terms.
+  virtual AssemblyStatus add_term_energies(const double* x, const double* parameters,
+                                           double* energies) const = 0;
+  /// [element * strains + i]; not_finite where one is not.
+  virtual AssemblyStatus strains_of(const GroupTerm& term, const double* x,
+                                    std::vector<double>& strain) const = 0;
+  /// Fills the entries of its own limits.
+  virtual AssemblyStatus limit_excess(const double* x, const double* parameters,
+                                      double* excess) const = 0;
+  virtual const std::vector<double>& measure() const = 0;  ///< of its elements, without supports
   virtual std::vector<std::pair<int, int>> pairs() const = 0;
   virtual void find_slots(const NodeMatrix& matrix) = 0;
 
+  const ElementKind kind;
+  const std::vector<int> element;  ///< numbers of its elements among those of this kind
   std::vector<GroupTerm> terms;
+  std::vector<GroupLimit> limits;
+
+ protected:
+  Group(ElementKind its_kind, std::vector<int> numbers)
+      : kind(its_kind), element(std::move(numbers)) {}
 };
 
 /// `Z`: how many numbers the elements see.
 template <class Elements, int Z>
 class ElementGroup final : public MeshModel::Group {
  public:
-  explicit ElementGroup(Elements elements) : elements_(std::move(elements)) {}
+  ElementGroup(Elements elements, ElementKind its_kind, std::vector<int> numbers)
+      : Group(its_kind, std::move(numbers)), elements_(std::move(elements)) {}
 
   const Elements& elements() const { return elements_; }
+  const std::vector<double>& measure() const override { return elements_.measure; }
   std::vector<std::pair<int, int>> pairs() const override { return coupled_nodes(elements_); }
   void find_slots(const NodeMatrix& matrix) override {
     elements_.slots = block_slots(matrix, elements_.nodes);
   }
 
-  void add(const double* x, const double* parameters, const ModelOutput& output) const override {
+  AssemblyStatus add(const double* x, const double* parameters, const ModelOutput& output,
+                     const EnergyLimitState* state) const override {
     const bool wants_forces = output.gradient || output.stiffness;
     Chunk chunk;
     for (int first = 0; first < elements_.count(); first += kChunk) {
       const int count = std::min(kChunk, elements_.count() - first);
       double psi_z[Z * kChunk] = {};
       double psi_zz[c_entries(Z) * kChunk] = {};
-      see(elements_, x, first, count, chunk.z);
+      if (!see(elements_, x, first, count, chunk.z)) return AssemblyStatus::inverted;
       for (const GroupTerm& term : terms) {
         LawBatch batch = chunk.batch(count, output.energy != nullptr, output.stiffness != nullptr);
         term.strain->strains(chunk.z, first, count, chunk.strain);
@@ -73,20 +113,25 @@ class ElementGroup final : public MeshModel::Group {
           term.strain->chain(chunk.z, first, batch, measure, psi_z,
                              output.stiffness ? psi_zz : nullptr);
       }
+      if (state)
+        for (const GroupLimit& limit : limits)
+          add_limit(limit, *state, parameters, chunk, first, count, output.energy,
+                    wants_forces ? psi_z : nullptr, output.stiffness ? psi_zz : nullptr);
       if (output.gradient) add_gradient(elements_, x, first, count, psi_z, output.gradient->data());
       if (output.stiffness && output.positive_share > 0.0)
         take_positive_part(elements_, count, output.positive_share, psi_z, psi_zz);
       if (output.stiffness)
         add_stiffness(elements_, x, first, count, psi_z, psi_zz, *output.stiffness);
     }
+    return AssemblyStatus::ok;
   }
 
-  void add_by_parameter(const double* x, const double* parameters,
-                        Eigen::MatrixXd& result) const override {
+  AssemblyStatus add_by_parameter(const double* x, const double* parameters,
+                                  Eigen::MatrixXd& result) const override {
     Chunk chunk;
     for (int first = 0; first < elements_.count(); first += kChunk) {
       const int count = std::min(kChunk, elements_.count() - first);
-      see(elements_, x, first, count, chunk.z);
+      if (!see(elements_, x, first, count, chunk.z)) return AssemblyStatus::inverted;
       for (const GroupTerm& term : terms) {
         term.strain->strains(chunk.z, first, count, chunk.strain);
         for (int p = 0; p < term.law->parameter_count(); ++p) {
@@ -99,6 +144,50 @@ class ElementGroup final : public MeshModel::Group {
         }
       }
     }
+    return AssemblyStatus::ok;
+  }
+
+  AssemblyStatus add_term_energies(const double* x, const double* parameters,
+                                   double* energies) const override {
+    return each_chunk(x, [&](Chunk& chunk, int first, int count) {
+      for (const GroupTerm& term : terms) {
+        LawBatch batch = chunk.batch(count, true, false);
+        term.strain->strains(chunk.z, first, count, chunk.strain);
+        term.law->evaluate_batch(parameters + term.first_parameter, batch);
+        const double* measure = term.measure.data() + first;
+        for (int e = 0; e < count; ++e) energies[term.term] += measure[e] * chunk.energy[e];
+      }
+    });
+  }
+
+  AssemblyStatus strains_of(const GroupTerm& term, const double* x,
+                            std::vector<double>& strain) const override {
+    const int strains = term.strain->count();
+    strain.resize(static_cast<std::size_t>(strains * elements_.count()));
+    bool finite = true;
+    const AssemblyStatus status = each_chunk(x, [&](Chunk& chunk, int first, int count) {
+      term.strain->strains(chunk.z, first, count, chunk.strain);
+      double* out = strain.data() + strains * first;
+      for (int e = 0; e < count; ++e)
+        for (int i = 0; i < strains; ++i) {
+          *out = chunk.strain[i * kChunk + e];
+          finite = finite && std::isfinite(*out++);
+        }
+    });
+    return status == AssemblyStatus::ok && !finite ? AssemblyStatus::not_finite : status;
+  }
+
+  AssemblyStatus limit_excess(const double* x, const double* parameters,
+                              double* excess) const override {
+    if (limits.empty()) return AssemblyStatus::ok;
+    return each_chunk(x, [&](Chunk& chunk, int first, int count) {
+      for (const GroupLimit& limit : limits) {
+        Density density;
+        add_density(limit, parameters, chunk, first, count, density, nullptr, nullptr);
+        for (int e = 0; e < count; ++e)
+          excess[limit.first + first + e] = density.value[e] - limit.energy_max;
+      }
+    });
   }
 
  private:
@@ -123,6 +212,71 @@ class ElementGroup final : public MeshModel::Group {
       return result;
     }
   };
+
+  /// The energy density that is limited and its derivatives by z, of one chunk.
+  struct Density {
+    double value[kChunk] = {};
+    double by_z[Z * kChunk] = {};
+    double by_zz[c_entries(Z) * kChunk] = {};
+  };
+
+  /// Sums up the terms of a limit; derivatives where `by_z` and `by_zz` are not null.
+  void add_density(const GroupLimit& limit, const double* parameters, Chunk& chunk, int first,
+                   int count, Density& density, double* by_z, double* by_zz) const {
+    for (const int t : limit.terms) {
+      const GroupTerm& term = terms[static_cast<std::size_t>(t)];
+      double weight[kChunk];
+      for (int e = 0; e < count; ++e) {
+        const auto k = static_cast<std::size_t>(first + e);
+        weight[e] = elements_.measure[k] > 0.0 ? term.measure[k] / elements_.measure[k] : 0.0;
+      }
+      LawBatch batch = chunk.batch(count, true, by_zz != nullptr);
+      term.strain->strains(chunk.z, first, count, chunk.strain);
+      term.law->evaluate_batch(parameters + term.first_parameter, batch);
+      for (int e = 0; e < count; ++e) density.value[e] += weight[e] * chunk.energy[e];
+      if (by_z) term.strain->chain(chunk.z, first, batch, weight, by_z, by_zz);
+    }
+  }
+
+  /// The part of a limit in the sums of a chunk: see energy_limit.h.
+  void add_limit(const GroupLimit& limit, const EnergyLimitState& state, const double* parameters,
+                 Chunk& chunk, int first, int count, double* energy, double* psi_z,
+                 double* psi_zz) const {
+    Density density;
+    add_density(limit, parameters, chunk, first, count, density, psi_z ? density.by_z : nullptr,
+                psi_zz ? density.by_zz : nullptr);
+    const double mu = state.penalty;
+    for (int e = 0; e < count; ++e) {
+      const double m = elements_.measure[static_cast<std::size_t>(first + e)];
+      const double multiplier = state.multiplier[limit.first + first + e];
+      const double excess = density.value[e] - limit.energy_max;
+      const double a = multiplier + mu * excess;
+      if (a <= 0.0) {
+        if (energy) *energy -= 0.5 * m * multiplier * multiplier / mu;
+        continue;
+      }
+      if (energy) *energy += 0.5 * m * excess * (a + multiplier);  // (a^2 - l^2)/(2 mu)
+      const double* by_z = density.by_z + e;
+      for (int k = 0; psi_z && k < Z; ++k) psi_z[k * kChunk + e] += m * a * by_z[k * kChunk];
+      if (!psi_zz) continue;
+      int row = e;
+      for (int k = 0; k < Z; ++k)
+        for (int l = k; l < Z; ++l, row += kChunk)
+          psi_zz[row] += m * (a * density.by_zz[row] + mu * by_z[k * kChunk] * by_z[l * kChunk]);
+    }
+  }
+
+  /// work(chunk, first, count) with z of every chunk in turn.
+  template <class Work>
+  AssemblyStatus each_chunk(const double* x, Work work) const {
+    Chunk chunk;
+    for (int first = 0; first < elements_.count(); first += kChunk) {
+      const int count = std::min(kChunk, elements_.count() - first);
+      if (!see(elements_, x, first, count, chunk.z)) return AssemblyStatus::inverted;
+      work(chunk, first, count);
+    }
+    return AssemblyStatus::ok;
+  }
 
   static void stress_by_parameter(const GroupTerm& term, const double* parameters, int parameter,
                                   Chunk& chunk, int count) {

@@ -25,6 +25,12 @@ std::array<std::array<double, D>, D + 1> simplex_gradients(
   return gradients;
 }
 
+HexahedronCorners rest_corners(const SolidMesh& mesh, const std::array<int, 8>& nodes) {
+  HexahedronCorners rest;
+  for (int a = 0; a < 8; ++a) rest.col(a) = mesh.rest_m.col(nodes[static_cast<std::size_t>(a)]);
+  return rest;
+}
+
 }  // namespace
 
 EdgeElements edge_elements(const std::vector<Spring>& springs) {
@@ -74,8 +80,7 @@ HexahedronPoints hexahedron_points(const SolidMesh& mesh) {
   const HexahedronCorners points = hexahedron_gauss_points();
   HexahedronPoints elements;
   for (const auto& n : mesh.hexahedra) {
-    HexahedronCorners rest;
-    for (int a = 0; a < 8; ++a) rest.col(a) = mesh.rest_m.col(n[static_cast<std::size_t>(a)]);
+    const HexahedronCorners rest = rest_corners(mesh, n);
     for (int p = 0; p < 8; ++p) {
       const Eigen::Matrix<double, 8, 3> slopes = hexahedron_slopes(points.col(p));
       const Eigen::Matrix3d jacobian = rest * slopes;
@@ -89,6 +94,17 @@ HexahedronPoints hexahedron_points(const SolidMesh& mesh) {
   }
   elements.finish();
   return elements;
+}
+
+Eigen::Matrix3Xd hexahedron_point_places_m(const SolidMesh& mesh) {
+  const HexahedronCorners points = hexahedron_gauss_points();
+  Eigen::Matrix3Xd places(3, 8 * static_cast<Eigen::Index>(mesh.hexahedra.size()));
+  Eigen::Index column = 0;
+  for (const auto& n : mesh.hexahedra) {
+    const HexahedronCorners rest = rest_corners(mesh, n);
+    for (int p = 0; p < 8; ++p) places.col(column++) = rest * hexahedron_shape(points.col(p));
+  }
+  return places;
 }
 
 }  // namespace tenter::mechanics

@@ -35,6 +35,9 @@ TetrahedronElements tetrahedron_elements(const SolidMesh& mesh);
 /// Eight Gauss points a hexahedron, in its corners' order; the measure is det J (weight 1).
 HexahedronPoints hexahedron_points(const SolidMesh& mesh);
 
+/// Rest positions of those Gauss points, one a column.
+Eigen::Matrix3Xd hexahedron_point_places_m(const SolidMesh& mesh);
+
 /// Every pair of corners of every element, for NodeMatrix.
 template <class Elements>
 std::vector<std::pair<int, int>> coupled_nodes(const Elements& elements) {

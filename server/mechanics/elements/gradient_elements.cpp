@@ -55,6 +55,16 @@ TENTER_INLINE void cauchy_green_kernel(const GradientElements<N, D>& elements,
   }
 }
 
+template <int N>
+TENTER_INLINE void volume_kernel(const GradientElements<N, 3>& elements, const double* positions,
+                                 int first, int count, double* j) {
+  for (int e = 0; e < count; e += kLanes) {
+    Lanes3 f[3];
+    deformation_gradient(elements, positions, first + e, f);
+    store(dot(f[0], cross(f[1], f[2])), j + e);
+  }
+}
+
 /// M of the header.
 template <int D>
 TENTER_INLINE void stress_matrix(const double* psi_z, int e, Lanes (&m)[D][D]) {
@@ -224,5 +234,14 @@ TENTER_ELEMENT_KERNELS(TriangleElements)
 TENTER_ELEMENT_KERNELS(TetrahedronElements)
 TENTER_ELEMENT_KERNELS(HexahedronPoints)
 #undef TENTER_ELEMENT_KERNELS
+
+TENTER_KERNEL void volume_ratios(const TetrahedronElements& elements, const double* positions,
+                                 int first, int count, double* j) {
+  volume_kernel(elements, positions, first, count, j);
+}
+TENTER_KERNEL void volume_ratios(const HexahedronPoints& elements, const double* positions,
+                                 int first, int count, double* j) {
+  volume_kernel(elements, positions, first, count, j);
+}
 
 }  // namespace tenter::mechanics

@@ -70,6 +70,13 @@ void cauchy_green(const TetrahedronElements&, const double* positions, int first
 void cauchy_green(const HexahedronPoints&, const double* positions, int first, int count,
                   double* z);
 
+/// det F of solids: relative volume, negative where an element is turned inside out, which C does
+/// not show. Layout j[e].
+void volume_ratios(const TetrahedronElements&, const double* positions, int first, int count,
+                   double* j);
+void volume_ratios(const HexahedronPoints&, const double* positions, int first, int count,
+                   double* j);
+
 /// gradient += dE/dx, from psi_z[k * kChunk + e], already multiplied by the elements' measure.
 void add_gradient(const EdgeElements&, const double* positions, int first, int count,
                   const double* psi_z, double* gradient);

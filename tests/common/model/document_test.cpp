@@ -149,6 +149,75 @@ TEST(ModelDocument, FieldsAndTheirTermsAreReadAndWritten) {
             "FILE: terms[0].id: 'cloth' is used twice");
 }
 
+TEST(ModelDocument, EnergyLimitsAreReadAndWritten) {
+  const std::string text = R"({"schema": "tenter.model", "version": 1, "name": "m",
+    "terms": [{"id": "a", "strain": {"name": "green_u"}, "law": {"name": "linear"}},
+              {"id": "b", "strain": {"name": "area"}, "law": {"name": "linear"}},
+              {"id": "s", "strain": {"name": "ring2_u"}, "law": {"name": "linear"}},
+              {"id": "t", "strain": {"name": "ring2_v"}, "law": {"name": "linear"}}],
+    "limits": [{"id": "lock", "terms": ["a", "b"], "energy_max": {"value": 0.3, "unit": "J/m^2"}},
+               {"id": "ring", "terms": ["s"], "energy_max": 7}]})";
+  const Expected<Model> model = parse_model(text, "FILE");
+  ASSERT_TRUE(model) << model.error().message;
+  ASSERT_EQ(model->limits.size(), 2u);
+  EXPECT_EQ(model->limits[0].id, "lock");
+  EXPECT_EQ(model->limits[0].terms, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(model->limits[0].energy_max, 0.3);
+  EXPECT_EQ(model->limits[1].unit, "J/m^2");
+  const std::string written = write_model(*model);
+  const Expected<Model> again = parse_model(written, "FILE");
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(write_model(*again), written);
+  EXPECT_EQ(again->limits[0].energy_max, 0.3);
+  EXPECT_EQ(again->limits[1].terms, std::vector<std::string>{"s"});
+
+  const auto changed = [&text](const std::string& from, const std::string& to) {
+    std::string other = text;
+    other.replace(other.find(from), from.size(), to);
+    return error_of(other);
+  };
+  EXPECT_EQ(changed(R"(["a", "b"])", R"(["a", "c"])"),
+            "FILE: limits[0].terms[1]: there is no term 'c'");
+  EXPECT_EQ(changed(R"(["a", "b"])", R"(["a", "a"])"),
+            "FILE: limits[0].terms[1]: 'a' is named twice");
+  EXPECT_EQ(changed(R"(["a", "b"])", R"(["a", "s"])"),
+            "FILE: limits[0].terms[1]: 'a' and 's' act on different elements, so that their "
+            "energies have no sum");
+  EXPECT_EQ(changed(R"(["s"])", R"(["s", "t"])"),
+            "FILE: limits[1].terms[1]: 's' and 't' act on different elements, so that their "
+            "energies have no sum");
+  EXPECT_EQ(changed(R"(["a", "b"])", R"("all")"),
+            "FILE: limits[0].terms: 'a' and 's' act on different elements, so that their energies "
+            "have no sum");
+  EXPECT_EQ(changed(R"(["a", "b"])", R"([])"),
+            "FILE: limits[0].terms: must name a term, or be 'all'");
+  EXPECT_EQ(changed(R"(["a", "b"])", R"("both")"),
+            "FILE: limits[0].terms: must be a list of terms or 'all', not 'both'");
+  EXPECT_EQ(changed("0.3", "0"),
+            "FILE: limits[0].energy_max.value: must be a finite number above 0");
+  EXPECT_EQ(changed(R"("J/m^2")", R"("J/m^3")"),
+            "FILE: limits[0].energy_max.unit: is 'J/m^3', must be 'J/m^2'");
+  EXPECT_EQ(changed(R"(: 7)", R"(: "7")"),
+            "FILE: limits[1].energy_max: must be a number, or an object with the key 'value'");
+  EXPECT_EQ(changed(R"("id": "ring")", R"("id": "a")"), "FILE: limits[1].id: 'a' is used twice");
+  EXPECT_EQ(changed(R"("id": "ring")", R"("name": "a")"),
+            "FILE: limits[1].name: unknown key; known here are id, terms, energy_max");
+}
+
+TEST(ModelDocument, ALimitOnAllTermsOfASolidIsKeptAsOne) {
+  Model model = preset("solid_ogden").value();
+  const std::string plain = write_model(model);
+  EXPECT_EQ(plain.find("limits"), std::string::npos);
+  model.limits = {{"total", {}, 0.1 + 0.2, "J/m^3"}};
+  const std::string text = write_model(model);
+  EXPECT_NE(text.find(R"("terms": "all")"), std::string::npos);
+  const Expected<Model> again = parse_model(text, "FILE");
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_TRUE(again->limits[0].terms.empty());
+  EXPECT_EQ(again->limits[0].energy_max, 0.1 + 0.2);
+  EXPECT_EQ(write_model(*again), text);
+}
+
 TEST(ModelDocument, ErrorsNameThePathOfTheKey) {
   const struct {
     std::string text;

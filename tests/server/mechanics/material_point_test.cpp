@@ -206,6 +206,12 @@ TEST(MaterialPoint, RefusesSolidsAndPlacesInTheMaterial) {
   const auto field = MaterialPoint::make(placed);
   ASSERT_FALSE(field);
   EXPECT_NE(field.error().message.find("warp"), std::string::npos);
+  model::Model limited = model::preset("stvk_orthotropic").value();
+  limited.limits = {{"lock", {}, 5.0, "J/m^2"}};
+  const auto locked = MaterialPoint::make(limited);
+  ASSERT_FALSE(locked);
+  EXPECT_EQ(locked.error().message,
+            "limit \"lock\": a material point does not enforce energy limits");
 }
 
 TEST(MaterialPoint, RestIsFreeOfStress) {

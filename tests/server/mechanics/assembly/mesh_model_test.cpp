@@ -4,47 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <tuple>
 
-#include "common/model/catalogue.h"
-#include "common/model/presets.h"
 #include "server/mechanics/material_point.h"
 #include "server/mechanics/mesh/outline.h"
-#include "tests/server/mechanics/elements/element_checks.h"
+#include "tests/server/mechanics/assembly/model_checks.h"
 
 namespace tenter::mechanics {
 namespace {
-
-/// The presets that cloth can have, with values at which every term weighs about the same on a
-/// mesh of 5 cm edges.
-std::vector<model::Model> cloth_presets() {
-  std::vector<model::Model> models;
-  for (const std::string& name : model::preset_names()) {
-    model::Model model = model::preset(name).value();
-    bool solid = false;
-    double factor = 1.0;
-    for (model::Term& term : model.terms) {
-      const model::StrainRow* row = model::find_strain(term.strain.name);
-      solid = solid || row->domain == model::Domain::solid;
-      std::tie(term.law.range_lo, term.law.range_hi) = model::spline_range(term.law, row->domain);
-      for (model::Parameter& p : term.law.parameters) {
-        if (row->domain == model::Domain::hinge) p.value *= 1e3;
-        if (term.strain.name.starts_with("ring2")) p.value *= 50.0;
-        p.value *= factor;
-        factor *= 1.13;  // no two parameters alike
-      }
-    }
-    if (!solid) models.push_back(model);
-  }
-  return models;
-}
-
-Eigen::VectorXd values_of(const model::Model& model) {
-  std::vector<double> values;
-  for (const model::Term& term : model.terms)
-    for (const model::Parameter& p : term.law.parameters) values.push_back(p.value);
-  return Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
 
 Eigen::VectorXd crumpled(const SurfaceMesh& mesh, double by, unsigned seed) {
   testing::Numbers numbers(seed);
@@ -69,7 +35,7 @@ std::vector<Cloth> cloths() {
 TEST(MeshModel, DerivativesByPositionAndParameter) {
   int checked = 0;
   for (const Cloth& cloth : cloths()) {
-    for (const model::Model& description : cloth_presets()) {
+    for (const model::Model& description : presets_of(Body::cloth)) {
       const auto model = MeshModel::make(description, cloth);
       if (!model) {  // an irregular sheet may have no edge of a family
         EXPECT_NE(model.error().message.find("has no element"), std::string::npos)
@@ -79,33 +45,7 @@ TEST(MeshModel, DerivativesByPositionAndParameter) {
       SCOPED_TRACE(description.name);
       const Eigen::VectorXd parameters = values_of(description);
       ASSERT_EQ(model->parameter_count(), parameters.size());
-      const Eigen::VectorXd x = crumpled(cloth.mesh, 0.006, 3);
-      NodeMatrix matrix = model->matrix();
-      const auto at = [&](const Eigen::VectorXd& y, NodeMatrix* into) {
-        Answer answer;
-        EXPECT_EQ(model->evaluate(y, parameters, {&answer.energy, &answer.gradient, into}),
-                  AssemblyStatus::ok);
-        return answer;
-      };
-      check_derivatives(at, matrix, x, 1e-5, 1e-6);
-
-      Eigen::MatrixXd by_parameter;
-      ASSERT_EQ(model->gradient_by_parameter(x, parameters, by_parameter), AssemblyStatus::ok);
-      testing::Comparison comparison("by parameter");
-      for (Eigen::Index p = 0; p < parameters.size(); ++p) {
-        const auto moved = [&](double value) {
-          Eigen::VectorXd changed = parameters;
-          changed[p] = value;
-          Eigen::VectorXd gradient;
-          EXPECT_EQ(model->evaluate(x, changed, {nullptr, &gradient, nullptr}), AssemblyStatus::ok);
-          return gradient;
-        };
-        const Eigen::VectorXd column =
-            testing::difference(moved, parameters[p], 1e-3 * std::abs(parameters[p]) + 1e-6);
-        for (Eigen::Index i = 0; i < column.size(); ++i)
-          comparison.add(by_parameter(i, p), column[i]);
-      }
-      comparison.judge(1e-7);
+      check_model(*model, parameters, crumpled(cloth.mesh, 0.006, 3), 1e-5);
       ++checked;
     }
   }
@@ -117,7 +57,7 @@ TEST(MeshModel, AHomogeneousStretchIsThatOfTheMaterialPoint) {
   const double sides[2] = {0.25, 0.2};
   const Cloth cloth = cloth_of_grid({6, 5, sides[0], sides[1]}, Diagonals::alternating).value();
   int checked = 0;
-  for (const model::Model& description : cloth_presets()) {
+  for (const model::Model& description : presets_of(Body::cloth)) {
     bool springs_bend = false;  // ring-2 springs feel a stretch, which the point leaves out
     for (const model::Term& t : description.terms)
       springs_bend = springs_bend || t.strain.name.starts_with("ring2");
@@ -164,7 +104,7 @@ TEST(MeshModel, RigidMotionCostsNothing) {
   const Cloth cloth = cloth_of_grid({6, 5, 0.25, 0.2}, Diagonals::alternating).value();
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(1.1, Eigen::Vector3d(1.0, 2.0, -0.5).normalized()).toRotationMatrix();
-  for (const model::Model& description : cloth_presets()) {
+  for (const model::Model& description : presets_of(Body::cloth)) {
     SCOPED_TRACE(description.name);
     const auto model = MeshModel::make(description, cloth);
     ASSERT_TRUE(model);
@@ -197,7 +137,7 @@ TEST(MeshModel, RigidMotionCostsNothing) {
 TEST(MeshModel, CollapsedElementsAreNeverSilentlyWrong) {
   const Cloth cloth = cloth_of_grid({4, 4, 0.15, 0.15}, Diagonals::one).value();
   int told = 0;
-  for (const model::Model& description : cloth_presets()) {
+  for (const model::Model& description : presets_of(Body::cloth)) {
     const auto model = MeshModel::make(description, cloth);
     ASSERT_TRUE(model);
     const Eigen::VectorXd parameters = values_of(description);

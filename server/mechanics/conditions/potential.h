@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The potential energy that equilibrium minimises: model, loads and contact over the unknowns.
 //
-//   Pi(x) = E(x, p) + V(x) + contact
+//   Pi(x) = E(x, p) + V(x) + contact + energy limits
 //
 //   const Potential potential(model, parameters, boundary, unknowns, loads, contact);
 //   if (!potential.evaluate_with_stiffness(state, 0.0, value)) ...   // not finite: do not use
@@ -35,7 +35,8 @@ struct PotentialValue {
 class Potential {
  public:
   Potential(const MeshModel& model, const Eigen::VectorXd& parameters, const Boundary& boundary,
-            const Unknowns& unknowns, const Loads& loads, const Contact& contact);
+            const Unknowns& unknowns, const Loads& loads, const Contact& contact,
+            const EnergyLimitState* limits = nullptr);
 
   const MeshModel& model;
   const Eigen::VectorXd& parameters;
@@ -43,6 +44,7 @@ class Potential {
   const Unknowns& unknowns;
   const Loads& loads;
   const Contact& contact;
+  const EnergyLimitState* limits;  ///< null: the model's energy limits are not enforced
 
   /// False where the energy or a derivative is not finite.
   [[nodiscard]] bool evaluate(const State& state, PotentialValue& value) const;

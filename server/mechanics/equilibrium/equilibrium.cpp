@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "server/mechanics/equilibrium/lowest_mode.h"
@@ -10,7 +11,7 @@
 namespace tenter::mechanics {
 namespace {
 
-constexpr int kMostContactRounds = 60;
+constexpr int kMostRounds = 60;  // of constraints
 constexpr int kMostSaddles = 20;
 constexpr double kNeutral = 1e-10;  // of the largest diagonal entry: less stiffness is rounding
 
@@ -37,6 +38,7 @@ std::string describe(const EquilibriumResult& result, const EquilibriumOptions& 
   if (result.stability == Stability::neutral) text += "; a motion costs no energy";
   if (result.contact_violation_m > options.contact_depth_m)
     text += "; contact is not resolved to the depth asked for";
+  if (result.limit_violation > options.limit_tolerance) text += "; an energy limit is exceeded";
   return text;
 }
 
@@ -83,20 +85,17 @@ Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& para
                                                      const EquilibriumOptions& options) {
   if (auto ok = check_input(parameters, loads, state); !ok) return tl::unexpected(ok.error());
   place_clips(boundary_, state);
-  const Potential potential(*model_, parameters, boundary_, *unknowns_, loads, contact_);
+  const bool has_constraints = !obstacles_.empty() || model_->limited_count() > 0;
+  const Potential potential(*model_, parameters, boundary_, *unknowns_, loads, contact_,
+                            model_->limited_count() > 0 ? &limits_ : nullptr);
   bool is_near = options.start_is_near;
-  if (is_near && obstacles_.empty()) predict(potential, state);
+  if (has_constraints)
+    start_constraints(potential, options, state);
+  else if (is_near)
+    predict(potential, state);
 
   EquilibriumResult result;
-  if (!obstacles_.empty()) {
-    contact_ = Contact();
-    double penalty = options.contact_penalty_N_m;
-    if (penalty <= 0.0 && potential.evaluate_with_stiffness(state, 1.0, work_.current))
-      penalty = mean_diagonal(unknowns_->pattern(), work_.current.stiffness);
-    contact_ = Contact(obstacles_, unknowns_->free_nodes(), penalty > 0.0 ? penalty : 1.0);
-  }
-  double violation = 0.0;
-  for (int round = 0; round <= kMostContactRounds; ++round) {
+  for (int round = 0; round <= kMostRounds; ++round) {
     for (int saddle = 0; saddle <= kMostSaddles; ++saddle) {
       result.last = minimise(potential, options, is_near, state);
       result.iterations += result.last.iterations;
@@ -109,20 +108,82 @@ Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& para
       is_near = false;
     }
     is_near = result.stability == Stability::minimum;
-    const double before = violation;
-    violation = contact_.violation_m(state.x);
-    if (!result.last.is_equilibrium() || violation <= options.contact_depth_m) break;
-    contact_.update_forces(state.x);
-    constexpr double kSlow = 0.3;  // violation after / before: slower than this, press harder
-    if (round > 0 && violation > kSlow * before) contact_.raise_penalty(4.0);
+    const EquilibriumResult before = result;
+    if (!result.last.is_equilibrium() || !has_constraints) break;
+    if (are_constraints_met(options, parameters, state, result)) break;
+    press_harder(options, parameters, state, before, result);
   }
-  result.contact_violation_m = violation;
+  result.limit_multiplier = limits_.multiplier;
   result.contact_force_N = contact_.force_N();
   result.energy_J = work_.current.energy_J;
   result.by_node = work_.current.by_node;
   can_predict_ = has_factor_ || (!options.check_minimum && result.last.has_exact_factor);
   solved_ = state;
   return result;
+}
+
+/// Multipliers at zero, penalties on the scale of what they hold against.
+void EquilibriumSolver::start_constraints(const Potential& potential,
+                                          const EquilibriumOptions& options, const State& state) {
+  contact_ = Contact();
+  limits_.multiplier.setZero(model_->limited_count());
+  limits_.penalty = 0.0;
+  constexpr double kPenalty = 10.0;  // in 1/psi_max of the lowest limit
+  for (const LimitedElements& limited : model_->limited())
+    limits_.penalty = std::max(limits_.penalty, kPenalty / limited.energy_max);
+  if (obstacles_.empty()) return;
+  double penalty = options.contact_penalty_N_m;
+  if (penalty <= 0.0 && potential.evaluate_with_stiffness(state, 1.0, work_.current))
+    penalty = mean_diagonal(unknowns_->pattern(), work_.current.stiffness);
+  contact_ = Contact(obstacles_, unknowns_->free_nodes(), penalty > 0.0 ? penalty : 1.0);
+}
+
+/// Sets the violations of `result`.
+bool EquilibriumSolver::are_constraints_met(const EquilibriumOptions& options,
+                                            const Eigen::VectorXd& parameters, const State& state,
+                                            EquilibriumResult& result) const {
+  result.contact_violation_m = contact_.violation_m(state.x);
+  result.limit_violation = 0.0;
+  Eigen::VectorXd excess;
+  if (model_->limited_count() > 0) {
+    if (model_->limit_excess(state.x, parameters, excess) != AssemblyStatus::ok) {
+      result.limit_violation = std::numeric_limits<double>::infinity();
+      return true;  // nothing that another round could mend
+    }
+    for (const LimitedElements& limited : model_->limited()) {
+      for (std::size_t e = 0; e < limited.element.size(); ++e) {
+        const auto k = static_cast<Eigen::Index>(limited.first) + static_cast<Eigen::Index>(e);
+        // too high, or below its limit and still held back
+        const double off = std::max(excess[k], -limits_.multiplier[k] / limits_.penalty);
+        result.limit_violation =
+            std::max(result.limit_violation, std::abs(off) / limited.energy_max);
+      }
+    }
+  }
+  return result.contact_violation_m <= options.contact_depth_m &&
+         result.limit_violation <= options.limit_tolerance;
+}
+
+/// New multipliers, and higher penalties where the violation shrinks slowly.
+void EquilibriumSolver::press_harder(const EquilibriumOptions& options,
+                                     const Eigen::VectorXd& parameters, const State& state,
+                                     const EquilibriumResult& before,
+                                     const EquilibriumResult& now) {
+  constexpr double kSlow = 0.3;  // violation after / before
+  constexpr double kRaise = 4.0;
+  if (now.contact_violation_m > options.contact_depth_m) {
+    contact_.update_forces(state.x);
+    if (before.contact_violation_m > 0.0 &&
+        now.contact_violation_m > kSlow * before.contact_violation_m)
+      contact_.raise_penalty(kRaise);
+  }
+  Eigen::VectorXd excess;
+  if (now.limit_violation > options.limit_tolerance &&
+      model_->limit_excess(state.x, parameters, excess) == AssemblyStatus::ok) {
+    update_multipliers(excess, limits_);
+    if (before.limit_violation > 0.0 && now.limit_violation > kSlow * before.limit_violation)
+      limits_.penalty *= kRaise;
+  }
 }
 
 MinimiseResult EquilibriumSolver::minimise(const Potential& potential,

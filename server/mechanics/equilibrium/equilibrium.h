@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "common/base/error.h"
+#include "server/mechanics/assembly/energy_limit.h"
 #include "server/mechanics/equilibrium/minimise.h"
 
 namespace tenter::mechanics {
@@ -35,6 +36,7 @@ struct EquilibriumOptions {
   Minimiser minimiser = Minimiser::newton;
   bool check_minimum = true;         ///< and leave saddles
   double contact_depth_m = 1e-6;     ///< conditions of contact hold to this
+  double limit_tolerance = 1e-6;     ///< energy limits hold to this part of psi_max
   double contact_penalty_N_m = 0.0;  ///< 0: the mean of the stiffness' diagonal
 };
 
@@ -54,13 +56,16 @@ struct EquilibriumResult {
   double energy_J = 0.0;
   Stability stability = Stability::not_checked;
   double contact_violation_m = 0.0;
-  Eigen::VectorXd contact_force_N;  ///< [obstacle * free nodes + free node]
-  Eigen::VectorXd by_node;          ///< dPi/dx, N: zero at free nodes; reaction() sums it
+  double limit_violation = 0.0;      ///< of energy limits, in parts of psi_max
+  Eigen::VectorXd limit_multiplier;  ///< one an entry of MeshModel::limited()
+  Eigen::VectorXd contact_force_N;   ///< [obstacle * free nodes + free node]
+  Eigen::VectorXd by_node;           ///< dPi/dx, N: zero at free nodes; reaction() sums it
 
-  /// In equilibrium, stable where that was checked, and outside of obstacles.
+  /// In equilibrium, stable where that was checked, outside of obstacles and within energy limits.
   bool is_good(const EquilibriumOptions& options) const {
     return last.is_equilibrium() && stability != Stability::saddle &&
-           contact_violation_m <= options.contact_depth_m;
+           contact_violation_m <= options.contact_depth_m &&
+           limit_violation <= options.limit_tolerance;
   }
 };
 std::string describe(const EquilibriumResult& result, const EquilibriumOptions& options);
@@ -81,6 +86,7 @@ class EquilibriumSolver {
 
   const MeshModel& model() const { return *model_; }
   const Contact& contact() const { return contact_; }
+  const EnergyLimitState& limits() const { return limits_; }
   /// The factor of the exact stiffness at the last result; null unless that was checked to be a
   /// minimum.
   SparseFactor* factor() { return has_factor_ ? factor_.get() : nullptr; }
@@ -94,6 +100,13 @@ class EquilibriumSolver {
   void predict(const Potential& potential, State& state);
   Stability check(const Potential& potential, const State& state, EquilibriumResult& result);
   bool leave_saddle(const Potential& potential, State& state);
+  void start_constraints(const Potential& potential, const EquilibriumOptions& options,
+                         const State& state);
+  bool are_constraints_met(const EquilibriumOptions& options, const Eigen::VectorXd& parameters,
+                           const State& state, EquilibriumResult& result) const;
+  void press_harder(const EquilibriumOptions& options, const Eigen::VectorXd& parameters,
+                    const State& state, const EquilibriumResult& before,
+                    const EquilibriumResult& now);
   Expected<void> check_input(const Eigen::VectorXd& parameters, const Loads& loads,
                              const State& state) const;
 
@@ -103,6 +116,7 @@ class EquilibriumSolver {
   std::shared_ptr<const Unknowns> unknowns_;
   std::unique_ptr<SparseFactor> factor_;
   Contact contact_;
+  EnergyLimitState limits_;
   MinimiseWorkspace work_;
   bool has_factor_ = false;
   bool can_predict_ = false;     ///< the factor is near enough to the last result for a prediction

@@ -20,6 +20,8 @@ class Compliance {
       return fail(
           ErrorKind::refused,
           "there is no derivative: the last state was not found to be a stable equilibrium");
+    if (solver.limits().multiplier.size() > 0 && solver.limits().multiplier.maxCoeff() > 0.0)
+      return fail(ErrorKind::refused, "there is no derivative where an energy limit is active");
     return Compliance(solver, state);
   }
 

@@ -12,7 +12,8 @@
 //
 // Exact, also where nodes touch obstacles as long as the set of those that touch stays the same.
 // Costs one solve per column (adjoint: one in all) and, with contact, one per touching node.
-// Requires solver.factor(): errors of kind `refused` where the last result was no checked minimum.
+// Requires solver.factor(): errors of kind `refused` where the last result was no checked minimum,
+// and where an energy limit of the model is active.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Energy constraints of thesis (4.5) in statics.
+#include <gtest/gtest.h>
+
+#include "common/model/presets.h"
+#include "server/mechanics/equilibrium/equilibrium.h"
+#include "server/mechanics/equilibrium/sensitivity.h"
+
+namespace tenter::mechanics {
+namespace {
+
+constexpr double kStiffness_N_m = 40.0;
+constexpr double kWidth_m = 0.05;
+constexpr double kLength_m = 0.1;
+
+/// A strip whose warp may hold only so much energy per area.
+model::Model limited_model(double energy_max) {
+  model::Model model = model::preset("cloth_soft").value();
+  for (model::Term& term : model.terms)
+    if (term.strain.name == "soft_v") {
+      term.law.parameters[0].value = kStiffness_N_m;
+      model::EnergyLimit limit;
+      limit.id = "warp";
+      limit.terms = {term.id};
+      limit.energy_max = energy_max;
+      limit.unit = "J/m^2";
+      model.limits = {limit};
+    }
+  return model;
+}
+
+Eigen::VectorXd values_of(const model::Model& model) {
+  std::vector<double> values;
+  for (const model::Term& term : model.terms)
+    for (const model::Parameter& p : term.law.parameters) values.push_back(p.value);
+  return Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+struct Strip {
+  Grid grid{4, 7, kWidth_m, kLength_m};
+  Cloth cloth = cloth_of_grid(grid, Diagonals::alternating).value();
+  Boundary boundary;
+  Loads loads;
+  State state;
+
+  /// Held at the bottom, with a bar at the top that a cord pulls up with `force_N`.
+  explicit Strip(double force_N) {
+    state.x.resize(3 * grid.node_count());
+    for (int n = 0; n < grid.node_count(); ++n)
+      state.x.segment<3>(3 * static_cast<Eigen::Index>(n)) << cloth.mesh.material_m(0, n),
+          cloth.mesh.material_m(1, n), 0.0;
+    std::vector<int> top;
+    for (int i = 0; i < grid.nodes_u; ++i) {
+      boundary.held.push_back(grid.node(i, 0));
+      top.push_back(grid.node(i, grid.nodes_v - 1));
+    }
+    Pose pose;
+    pose.position_m = Eigen::Vector3d(0.5 * kWidth_m, kLength_m, 0.0);
+    Clip bar = clip_on("bar", top, state.x, pose);
+    bar.is_free = true;
+    bar.cord_place_m = {{0.0, 0.01, 0.0}};
+    boundary.clips = {bar};
+    state.clips = {pose};
+    loads.gravity_m_s2.setZero();
+    loads.cord_force_N = {{Eigen::Vector3d(0.0, force_N, 0.0)}};
+  }
+};
+
+/// Warp and weft of soft constraints do not feel each other, so the strip stays a rectangle:
+/// F/w = (1 + l) k (stretch - 1), and the limit is (stretch - 1)^2 k/2 = psi_max.
+TEST(EnergyLimits, AStripIsHeldAtItsLimitAndTheMultiplierCarriesTheRest) {
+  const double strain_max = 0.05;
+  const double energy_max = 0.5 * kStiffness_N_m * strain_max * strain_max;
+  const model::Model description = limited_model(energy_max);
+  const double force_N = 3.0 * kStiffness_N_m * strain_max * kWidth_m;  // thrice what is allowed
+  Strip strip(force_N);
+  const MeshModel model = MeshModel::make(description, strip.cloth).value();
+  auto solver = EquilibriumSolver::make(model, strip.boundary).value();
+  EquilibriumOptions options;
+  options.tolerance_N = 1e-9;
+  const Eigen::VectorXd parameters = values_of(description);
+  const auto result = solver.solve(parameters, strip.loads, strip.state, options);
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_TRUE(result->is_good(options)) << describe(*result, options);
+
+  const double stretch = (strip.state.clips[0].position_m.y()) / kLength_m;
+  EXPECT_NEAR(stretch - 1.0, strain_max, 1e-6 * strain_max);
+  Eigen::VectorXd excess;
+  ASSERT_EQ(model.limit_excess(strip.state.x, parameters, excess), AssemblyStatus::ok);
+  EXPECT_LE(excess.maxCoeff(), 1e-6 * energy_max);
+  ASSERT_EQ(result->limit_multiplier.size(), model.limited_count());
+  EXPECT_GT(model.limited_count(), 10);
+  for (const double l : result->limit_multiplier) EXPECT_NEAR(l, 2.0, 1e-4);
+
+  const auto change = sensitivity_by_parameter(solver, parameters, strip.state);
+  ASSERT_FALSE(change);
+  EXPECT_EQ(change.error().kind, ErrorKind::refused);
+}
+
+TEST(EnergyLimits, AreSilentWhereTheyAreNotReached) {
+  const model::Model limited = limited_model(1.0);
+  model::Model free = limited;
+  free.limits.clear();
+  Strip a(0.1), b(0.1);
+  const MeshModel with = MeshModel::make(limited, a.cloth).value();
+  const MeshModel without = MeshModel::make(free, b.cloth).value();
+  const Eigen::VectorXd parameters = values_of(limited);
+  auto first = EquilibriumSolver::make(with, a.boundary).value();
+  auto second = EquilibriumSolver::make(without, b.boundary).value();
+  const EquilibriumOptions options;
+  const auto one = first.solve(parameters, a.loads, a.state, options);
+  const auto two = second.solve(parameters, b.loads, b.state, options);
+  ASSERT_TRUE(one && two);
+  EXPECT_TRUE(one->is_good(options) && two->is_good(options));
+  EXPECT_EQ(one->limit_multiplier.maxCoeff(), 0.0);
+  EXPECT_EQ(a.state.x, b.state.x);
+  EXPECT_GT(a.state.clips[0].position_m.y(), 1.01 * kLength_m);
+}
+
+}  // namespace
+}  // namespace tenter::mechanics

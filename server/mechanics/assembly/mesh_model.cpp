@@ -7,6 +7,13 @@
 
 namespace tenter::mechanics {
 
+Eigen::VectorXd term_parameters(const model::Model& model) {
+  std::vector<double> values;
+  for (const model::Term& term : model.terms)
+    for (const model::Parameter& p : term.law.parameters) values.push_back(p.value);
+  return Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
 AssemblyStatus MeshModel::evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
                                    const ModelOutput& output,
                                    const EnergyLimitState* limits) const {

@@ -52,6 +52,9 @@ struct ModelOutput {
   double positive_share = 0.0;
 };
 
+/// Values of the parameters of all terms, in the order in which MeshModel takes them.
+Eigen::VectorXd term_parameters(const model::Model& model);
+
 class MeshModel {
  public:
   /// bad_input names the term or the limit: a solid's strain, an unknown name, an rbf support

@@ -80,6 +80,12 @@ void place_clips(const Boundary& boundary, State& state) {
   }
 }
 
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
+  Eigen::Matrix3d m;
+  m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+  return m;
+}
+
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d& w) {
   const double angle = w.norm();
   if (angle == 0.0) return Eigen::Matrix3d::Identity();

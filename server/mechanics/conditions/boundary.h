@@ -70,4 +70,7 @@ void place_clips(const Boundary& boundary, State& state);
 /// Rotation by the vector w: |w| radians about its direction.
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d& w);
 
+/// [a]x: cross_matrix(a) b = a x b.
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a);
+
 }  // namespace tenter::mechanics

@@ -8,12 +8,6 @@
 namespace tenter::mechanics {
 namespace {
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d m;
-  m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
-  return m;
-}
-
 /// block (i, j) += k, wherever the triangle below the diagonal holds it.
 void add_block(NodeMatrix& matrix, int i, int j, const Eigen::Matrix3d& k) {
   Eigen::Map<Eigen::Matrix3d> block(matrix.block(i >= j ? matrix.slot(i, j) : matrix.slot(j, i)));

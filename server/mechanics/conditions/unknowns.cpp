@@ -12,12 +12,6 @@ namespace {
 
 constexpr int kBodyUnknowns = 6;
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d m;
-  m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
-  return m;
-}
-
 /// Second derivative of f . R(w) r by w at w = 0.
 Eigen::Matrix3d turn_curvature(const Eigen::Vector3d& f, const Eigen::Vector3d& r) {
   return 0.5 * (f * r.transpose() + r * f.transpose()) - f.dot(r) * Eigen::Matrix3d::Identity();

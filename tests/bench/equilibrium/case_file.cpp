@@ -57,11 +57,7 @@ Expected<Case> case_of(const json& document, const std::filesystem::path& path) 
   auto model = model::parse_model(text_of(model_path), model_path.string());
   if (!model) return tl::unexpected(model.error());
   result.model = std::move(*model);
-  std::vector<double> values;
-  for (const model::Term& term : result.model.terms)
-    for (const model::Parameter& p : term.law.parameters) values.push_back(p.value);
-  result.parameters =
-      Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  result.parameters = term_parameters(result.model);
 
   const auto masses = lumped_masses_kg(result.cloth.mesh, document.at("area_density_kg_m2"));
   result.loads.node_mass_kg =

@@ -18,7 +18,7 @@ class Bar {
   explicit Bar(const model::Model& description)
       : mesh_(box_hexahedra(1, 1, 1, {kSide, kSide, kSide}).value()),
         model_(MeshModel::make(description, mesh_).value()),
-        parameters_(values_of(description)),
+        parameters_(term_parameters(description)),
         matrix_(model_.matrix()) {
     limits_.multiplier.setZero(model_.limited_count());
     along_ = affine(mesh_, Eigen::Vector3d(1.0, 0.0, 0.0).asDiagonal());
@@ -103,8 +103,8 @@ double root(const std::function<double(double)>& f, double lo, double hi) {
 // P = psi_total' + l psi_limited'.
 TEST(EnergyLimit, ABarStopsAtItsLimit) {
   const model::Model plain = model::preset("solid_neo_hookean").value();
-  const double mu = 2.0 * values_of(plain)[0];
-  const double lambda = values_of(plain)[1];
+  const double mu = 2.0 * term_parameters(plain)[0];
+  const double lambda = term_parameters(plain)[1];
   const auto shape = [&](double s) { return 0.5 * mu * (s * s - 1.0) - mu * std::log(s); };
   const auto volume = [&](double s) { return 0.5 * lambda * std::log(s) * std::log(s); };
   const auto shape_slope = [&](double s) { return mu * (s - 1.0 / s); };

@@ -33,7 +33,7 @@ model::Model with_maxima(model::Model description, const Body& body, const Eigen
   const auto model = MeshModel::make(description, body);
   EXPECT_TRUE(model) << model.error().message;
   Eigen::VectorXd excess;
-  EXPECT_EQ(model->limit_excess(x, values_of(description), excess), AssemblyStatus::ok);
+  EXPECT_EQ(model->limit_excess(x, term_parameters(description), excess), AssemblyStatus::ok);
   for (model::EnergyLimit& limit : description.limits) {
     std::vector<double> densities;
     for (const LimitedElements& part : model->limited())
@@ -56,7 +56,7 @@ void check_limits(const model::Model& plain, const Body& body, const Eigen::Vect
   const model::Model description = with_maxima(plain, body, x);
   const auto model = MeshModel::make(description, body);
   ASSERT_TRUE(model);
-  const Eigen::VectorXd parameters = values_of(description);
+  const Eigen::VectorXd parameters = term_parameters(description);
   Eigen::VectorXd excess;
   ASSERT_EQ(model->limit_excess(x, parameters, excess), AssemblyStatus::ok);
   ASSERT_EQ(excess.size(), model->limited_count());
@@ -188,8 +188,8 @@ TEST(EnergyLimit, DensitiesCarryTheWeightOfTheirSupport) {
   const auto two = MeshModel::make(split, body.mesh);
   ASSERT_TRUE(one && two);
   Eigen::VectorXd expected, excess;
-  ASSERT_EQ(one->limit_excess(x, values_of(plain), expected), AssemblyStatus::ok);
-  ASSERT_EQ(two->limit_excess(x, values_of(split), excess), AssemblyStatus::ok);
+  ASSERT_EQ(one->limit_excess(x, term_parameters(plain), expected), AssemblyStatus::ok);
+  ASSERT_EQ(two->limit_excess(x, term_parameters(split), excess), AssemblyStatus::ok);
   ASSERT_EQ(excess.size(), 2 * expected.size());
   const double scale = expected.cwiseAbs().maxCoeff();
   EXPECT_GT(scale, 100.0);
@@ -206,7 +206,7 @@ TEST(EnergyLimit, NothingAllocatesAfterTheFirstCall) {
   description.limits = {limit_of(description, {})};
   const auto model = MeshModel::make(description, body.mesh);
   ASSERT_TRUE(model);
-  const Eigen::VectorXd x = deformed(body.mesh, 0.1, 8), parameters = values_of(description);
+  const Eigen::VectorXd x = deformed(body.mesh, 0.1, 8), parameters = term_parameters(description);
   const EnergyLimitState limits{Eigen::VectorXd::Ones(model->limited_count()), 1.0};
   NodeMatrix matrix = model->matrix();
   double energy = 0.0;
@@ -234,13 +234,13 @@ TEST(EnergyLimit, WithoutLimitsNothingChanges) {
   EXPECT_EQ(plain->limited_count(), 0);
   Eigen::VectorXd excess;
   const Eigen::VectorXd x = deformed(body.mesh, 0.1, 7);
-  EXPECT_EQ(plain->limit_excess(x, values_of(description), excess), AssemblyStatus::ok);
+  EXPECT_EQ(plain->limit_excess(x, term_parameters(description), excess), AssemblyStatus::ok);
   EXPECT_EQ(excess.size(), 0);
   const EnergyLimitState none{Eigen::VectorXd(0), 1.0};
   double with = 0.0, without = 0.0;
-  EXPECT_EQ(plain->evaluate(x, values_of(description), {&with, nullptr, nullptr}, &none),
+  EXPECT_EQ(plain->evaluate(x, term_parameters(description), {&with, nullptr, nullptr}, &none),
             AssemblyStatus::ok);
-  EXPECT_EQ(plain->evaluate(x, values_of(description), {&without, nullptr, nullptr}),
+  EXPECT_EQ(plain->evaluate(x, term_parameters(description), {&without, nullptr, nullptr}),
             AssemblyStatus::ok);
   EXPECT_GT(with, 0.0);
   EXPECT_EQ(with, without);
@@ -249,7 +249,7 @@ TEST(EnergyLimit, WithoutLimitsNothingChanges) {
   const auto limited = MeshModel::make(description, body.mesh);
   ASSERT_TRUE(limited);
   const Eigen::Matrix3d mirror = Eigen::Vector3d(1.0, 1.0, -1.0).asDiagonal();
-  EXPECT_EQ(limited->limit_excess(affine(body.mesh, mirror), values_of(description), excess),
+  EXPECT_EQ(limited->limit_excess(affine(body.mesh, mirror), term_parameters(description), excess),
             AssemblyStatus::inverted);
 }
 

@@ -43,7 +43,7 @@ TEST(MeshModel, DerivativesByPositionAndParameter) {
         continue;
       }
       SCOPED_TRACE(description.name);
-      const Eigen::VectorXd parameters = values_of(description);
+      const Eigen::VectorXd parameters = term_parameters(description);
       ASSERT_EQ(model->parameter_count(), parameters.size());
       check_model(*model, parameters, crumpled(cloth.mesh, 0.006, 3), 1e-5);
       ++checked;
@@ -66,7 +66,7 @@ TEST(MeshModel, AHomogeneousStretchIsThatOfTheMaterialPoint) {
     const auto model = MeshModel::make(description, cloth);
     const auto point = MaterialPoint::make(description);
     ASSERT_TRUE(model && point);
-    const Eigen::VectorXd parameters = values_of(description);
+    const Eigen::VectorXd parameters = term_parameters(description);
     const Eigen::Vector3d q(1.12, 0.94, 0.07);
     const auto energy_at = [&](const Eigen::Vector3d& at) {
       Eigen::VectorXd x(3 * model->node_count());
@@ -108,7 +108,7 @@ TEST(MeshModel, RigidMotionCostsNothing) {
     SCOPED_TRACE(description.name);
     const auto model = MeshModel::make(description, cloth);
     ASSERT_TRUE(model);
-    const Eigen::VectorXd parameters = values_of(description);
+    const Eigen::VectorXd parameters = term_parameters(description);
     const auto evaluate = [&](double crumple) {
       Eigen::VectorXd x = crumpled(cloth.mesh, crumple, 4);
       Answer still, moved;
@@ -140,7 +140,7 @@ TEST(MeshModel, CollapsedElementsAreNeverSilentlyWrong) {
   for (const model::Model& description : presets_of(Body::cloth)) {
     const auto model = MeshModel::make(description, cloth);
     ASSERT_TRUE(model);
-    const Eigen::VectorXd parameters = values_of(description);
+    const Eigen::VectorXd parameters = term_parameters(description);
     Eigen::VectorXd x = crumpled(cloth.mesh, 0.0, 1);
     x.segment<3>(0) = x.segment<3>(3);  // two nodes in one place
     NodeMatrix matrix = model->matrix();

@@ -39,13 +39,6 @@ inline std::vector<model::Model> presets_of(Body body) {
   return models;
 }
 
-inline Eigen::VectorXd values_of(const model::Model& model) {
-  std::vector<double> values;
-  for (const model::Term& term : model.terms)
-    for (const model::Parameter& p : term.law.parameters) values.push_back(p.value);
-  return Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
 /// A limit of 1 J/m^2 or 1 J/m^3 on these terms; none: on all.
 inline model::EnergyLimit limit_of(const model::Model& model, std::vector<std::string> terms,
                                    const std::string& id = "lock") {

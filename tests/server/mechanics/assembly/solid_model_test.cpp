@@ -45,7 +45,7 @@ void for_all(Check check) {
       SCOPED_TRACE(body.name + ", " + description.name);
       const auto model = MeshModel::make(description, body.mesh);
       ASSERT_TRUE(model) << model.error().message;
-      ASSERT_EQ(model->parameter_count(), values_of(description).size());
+      ASSERT_EQ(model->parameter_count(), term_parameters(description).size());
       check(*model, description, body.mesh);
     }
   }
@@ -62,7 +62,7 @@ Answer answer_at(const MeshModel& model, const Eigen::VectorXd& parameters,
 TEST(SolidModel, DerivativesByPositionAndParameter) {
   for_all([](const MeshModel& model, const model::Model& description, const SolidMesh& mesh) {
     for (unsigned seed = 4; seed < 6; ++seed)
-      check_model(model, values_of(description), deformed(mesh, 0.1, seed), 1e-3 * kCell);
+      check_model(model, term_parameters(description), deformed(mesh, 0.1, seed), 1e-3 * kCell);
   });
 }
 
@@ -71,7 +71,7 @@ TEST(SolidModel, StiffnessWherePrincipalStretchesMeet) {
   const Eigen::Matrix3d states[] = {Eigen::Matrix3d::Identity(), 1.2 * Eigen::Matrix3d::Identity(),
                                     Eigen::Vector3d(1.3, 0.9, 0.9).asDiagonal()};
   for_all([&](const MeshModel& model, const model::Model& description, const SolidMesh& mesh) {
-    const Eigen::VectorXd parameters = values_of(description);
+    const Eigen::VectorXd parameters = term_parameters(description);
     for (const Eigen::Matrix3d& f : states) {
       const Eigen::VectorXd x = affine(mesh, f);
       NodeMatrix matrix = model.matrix();
@@ -105,7 +105,8 @@ TEST(SolidModel, AnAffineDeformationIsThatOfAPoint) {
     for (int sample = 0; sample < 10; ++sample) {
       const Eigen::Matrix3d f = random_solid(numbers);
       const auto point = testing::energy_at<6>(description, testing::z_of(f));
-      const Answer at = answer_at(model, values_of(description), affine(mesh, f, {0.3, -0.2, 0.1}));
+      const Answer at =
+          answer_at(model, term_parameters(description), affine(mesh, f, {0.3, -0.2, 0.1}));
       energy.add(at.energy, volume * point.energy);
       Eigen::Matrix3d virial = Eigen::Matrix3d::Zero();
       for (int n = 0; n < mesh.node_count(); ++n) {
@@ -129,7 +130,7 @@ TEST(SolidModel, AnAffineDeformationIsThatOfAPoint) {
 // Against the textbook, without measures and laws: mu/2 (I_1 - 3) - mu ln J + lambda/2 (ln J)^2.
 TEST(SolidModel, NeoHookeanEnergyIsTheTextbooks) {
   const model::Model description = model::preset("solid_neo_hookean").value();
-  const Eigen::VectorXd parameters = values_of(description);
+  const Eigen::VectorXd parameters = term_parameters(description);
   const double mu = 2.0 * parameters[0];
   const double lambda = parameters[1];
   for (const SolidBody& body : solid_bodies()) {
@@ -173,9 +174,9 @@ TEST(SolidModel, ThePositivePartHasNoNegativeDirection) {
         ModelOutput output;
         output.stiffness = &matrix;
         output.positive_share = share;
-        EXPECT_EQ(
-            model->evaluate(affine(body.mesh, squeeze), values_of(description), output, state),
-            AssemblyStatus::ok);
+        EXPECT_EQ(model->evaluate(affine(body.mesh, squeeze), term_parameters(description), output,
+                                  state),
+                  AssemblyStatus::ok);
         const Eigen::VectorXd eigenvalues =
             Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense(matrix)).eigenvalues();
         return eigenvalues[0] / eigenvalues.tail(1)[0];
@@ -194,7 +195,7 @@ TEST(SolidModel, RigidMotionCostsNothing) {
       Eigen::AngleAxisd(2.1, Eigen::Vector3d(1.0, 2.0, -0.5).normalized()).toRotationMatrix();
   const Eigen::Vector3d shift(0.3, -0.2, 0.7);
   for_all([&](const MeshModel& model, const model::Model& description, const SolidMesh& mesh) {
-    const Eigen::VectorXd parameters = values_of(description);
+    const Eigen::VectorXd parameters = term_parameters(description);
     const Eigen::VectorXd x = deformed(mesh, 0.1, 8);
     Eigen::VectorXd moved = x;
     for (int n = 0; n < mesh.node_count(); ++n)
@@ -221,7 +222,7 @@ TEST(SolidModel, RigidMotionCostsNothing) {
       SCOPED_TRACE(body.name + ", " + description.name);
       const auto model = MeshModel::make(description, body.mesh);
       ASSERT_TRUE(model);
-      const Eigen::VectorXd parameters = values_of(description);
+      const Eigen::VectorXd parameters = term_parameters(description);
       const double force =
           answer_at(*model, parameters, deformed(body.mesh, 0.1, 8)).gradient.norm();
       EXPECT_LT(answer_at(*model, parameters, affine(body.mesh, turn, shift)).gradient.norm(),
@@ -248,7 +249,7 @@ AssemblyStatus status_at(const MeshModel& model, const Eigen::VectorXd& paramete
 
 TEST(SolidModel, ElementsTurnedInsideOutAreSeen) {
   for_all([](const MeshModel& model, const model::Model& description, const SolidMesh& mesh) {
-    const Eigen::VectorXd parameters = values_of(description);
+    const Eigen::VectorXd parameters = term_parameters(description);
     const Eigen::VectorXd rest = affine(mesh, Eigen::Matrix3d::Identity());
     EXPECT_EQ(status_at(model, parameters, rest), AssemblyStatus::ok);
     // the mirrored body has the same C everywhere
@@ -269,7 +270,7 @@ TEST(SolidModel, ElementsTurnedInsideOutAreSeen) {
 
 TEST(SolidModel, CollapsedElementsAndBadPositionsAreNeverSilentlyWrong) {
   for_all([](const MeshModel& model, const model::Model& description, const SolidMesh& mesh) {
-    const Eigen::VectorXd parameters = values_of(description);
+    const Eigen::VectorXd parameters = term_parameters(description);
     for (const double left : {0.0, 1e-12}) {
       const Eigen::Matrix3d flat = Eigen::Vector3d(1.1, 0.9, left).asDiagonal();
       EXPECT_EQ(status_at(model, parameters, affine(mesh, flat)), AssemblyStatus::inverted);
@@ -313,19 +314,19 @@ TEST(SolidModel, SamplesOfAFieldShareTheMaterial) {
       const Eigen::VectorXd x = deformed(body.mesh, 0.1, 9);
       const auto one = MeshModel::make(plain, body.mesh);
       ASSERT_TRUE(one);
-      const Answer expected = answer_at(*one, values_of(plain), x);
+      const Answer expected = answer_at(*one, term_parameters(plain), x);
       const model::Model equal = over_two_samples(plain, 1.0);
       const auto split = MeshModel::make(equal, body.mesh);
       ASSERT_TRUE(split) << split.error().message;
-      const Answer at = answer_at(*split, values_of(equal), x);
+      const Answer at = answer_at(*split, term_parameters(equal), x);
       EXPECT_NEAR(at.energy, expected.energy, 1e-12 * std::abs(expected.energy));
       EXPECT_LT((at.gradient - expected.gradient).norm(), 1e-11 * expected.gradient.norm());
 
       const model::Model uneven = over_two_samples(plain, 2.0);
-      const double energy = answer_at(*split, values_of(uneven), x).energy;
+      const double energy = answer_at(*split, term_parameters(uneven), x).energy;
       EXPECT_GT(energy, 1.1 * expected.energy);
       EXPECT_LT(energy, 1.9 * expected.energy);
-      check_model(*split, values_of(uneven), x, 1e-3 * kCell);
+      check_model(*split, term_parameters(uneven), x, 1e-3 * kCell);
     }
   }
 }
@@ -343,7 +344,8 @@ TEST(SolidModel, SupportsAreWeighedAtQuadraturePoints) {
     first.fields[0].width_m = 0.05;
     const auto model = MeshModel::make(first, mesh);
     EXPECT_TRUE(model);
-    return answer_at(*model, values_of(first), affine(mesh, 1.1 * Eigen::Matrix3d::Identity()))
+    return answer_at(*model, term_parameters(first),
+                     affine(mesh, 1.1 * Eigen::Matrix3d::Identity()))
         .energy;
   };
   const double fine = energy_on(12);

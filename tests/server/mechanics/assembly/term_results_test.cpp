@@ -29,7 +29,7 @@ Eigen::VectorXd stretched(const Cloth& on, double ridge) {
 
 void expect_energies(const MeshModel& model, const model::Model& description,
                      const Eigen::VectorXd& x) {
-  const Eigen::VectorXd parameters = values_of(description);
+  const Eigen::VectorXd parameters = term_parameters(description);
   double energy = 0.0;
   Eigen::VectorXd energies;
   ASSERT_EQ(model.evaluate(x, parameters, {&energy, nullptr, nullptr}), AssemblyStatus::ok);
@@ -202,7 +202,7 @@ TEST(TermStrains, BadStatesAreSaid) {
   std::vector<TermStrains> strains;
   Eigen::VectorXd energies;
   EXPECT_EQ(model->term_strains(affine(body.mesh, mirror), strains), AssemblyStatus::inverted);
-  EXPECT_EQ(model->term_energies(affine(body.mesh, mirror), values_of(description), energies),
+  EXPECT_EQ(model->term_energies(affine(body.mesh, mirror), term_parameters(description), energies),
             AssemblyStatus::inverted);
   const Cloth sheet = cloth();
   const model::Model flat = model::preset("cloth_stvk").value();
@@ -211,7 +211,8 @@ TEST(TermStrains, BadStatesAreSaid) {
   Eigen::VectorXd x = stretched(sheet, 0.0);
   x[4] = std::nan("");
   EXPECT_EQ(on_cloth->term_strains(x, strains), AssemblyStatus::not_finite);
-  EXPECT_EQ(on_cloth->term_energies(x, values_of(flat), energies), AssemblyStatus::not_finite);
+  EXPECT_EQ(on_cloth->term_energies(x, term_parameters(flat), energies),
+            AssemblyStatus::not_finite);
 }
 
 }  // namespace

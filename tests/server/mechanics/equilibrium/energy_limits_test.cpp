@@ -29,13 +29,6 @@ model::Model limited_model(double energy_max) {
   return model;
 }
 
-Eigen::VectorXd values_of(const model::Model& model) {
-  std::vector<double> values;
-  for (const model::Term& term : model.terms)
-    for (const model::Parameter& p : term.law.parameters) values.push_back(p.value);
-  return Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
 struct Strip {
   Grid grid{4, 7, kWidth_m, kLength_m};
   Cloth cloth = cloth_of_grid(grid, Diagonals::alternating).value();
@@ -78,7 +71,7 @@ TEST(EnergyLimits, AStripIsHeldAtItsLimitAndTheMultiplierCarriesTheRest) {
   auto solver = EquilibriumSolver::make(model, strip.boundary).value();
   EquilibriumOptions options;
   options.tolerance_N = 1e-9;
-  const Eigen::VectorXd parameters = values_of(description);
+  const Eigen::VectorXd parameters = term_parameters(description);
   const auto result = solver.solve(parameters, strip.loads, strip.state, options);
   ASSERT_TRUE(result) << result.error().message;
   EXPECT_TRUE(result->is_good(options)) << describe(*result, options);
@@ -104,7 +97,7 @@ TEST(EnergyLimits, AreSilentWhereTheyAreNotReached) {
   Strip a(0.1), b(0.1);
   const MeshModel with = MeshModel::make(limited, a.cloth).value();
   const MeshModel without = MeshModel::make(free, b.cloth).value();
-  const Eigen::VectorXd parameters = values_of(limited);
+  const Eigen::VectorXd parameters = term_parameters(limited);
   auto first = EquilibriumSolver::make(with, a.boundary).value();
   auto second = EquilibriumSolver::make(without, b.boundary).value();
   const EquilibriumOptions options;

@@ -64,6 +64,7 @@ class Upload {
   std::uint64_t chunks_ = 0;
   std::vector<std::uint64_t> missing_;
   bool first_open_ = true;
+  std::uint64_t best_ = 0;  ///< progress is more chunks written than ever before
 
   std::mutex mutex_;
   std::condition_variable_any acked_;
@@ -90,7 +91,6 @@ Expected<UploadResult> Upload::run() {
   else
     spare_hash_.emplace(file_);
 
-  std::uint64_t best = 0;  // progress is a chunk written, or a step that ended
   auto since = Clock::now();
   for (;;) {
     auto step = open();
@@ -100,8 +100,8 @@ Expected<UploadResult> Upload::run() {
     if (!step) return tl::unexpected(step.error());
     if (*step == Step::done) return result_;
     std::lock_guard lock(mutex_);
-    if (written_ > best) {
-      best = written_;
+    if (written_ > best_) {
+      best_ = written_;
       since = Clock::now();
     }
     if (Clock::now() - since > connection_.options().timeout)
@@ -245,7 +245,10 @@ Expected<Upload::Step> Upload::store() {
   if (!reply) {
     if (reply.error().kind == ErrorKind::not_found) return Step::send;  // the server began anew
     // chunks of another file that had the same stand-in: the server dropped them, send all
-    if (reply.error().kind == ErrorKind::bad_input && resumed_) return Step::send;
+    if (reply.error().kind == ErrorKind::bad_input && resumed_) {
+      best_ = 0;
+      return Step::send;
+    }
     return tl::unexpected(reply.error());
   }
   stored_ = true;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/service/upload_endpoint.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -292,35 +294,49 @@ Expected<json> UploadEndpoint::abandon(const Caller& caller, const json& body) {
 
 void UploadEndpoint::close(const wire::Uuid& id) {
   std::shared_ptr<Transfer> transfer;
+  bool last = false;
   {
     std::lock_guard lock(mutex_);
     const auto found = transfers_.find(id);
     if (found == transfers_.end()) return;
     transfer = std::move(found->second);
     transfers_.erase(found);
-    if (transfers_.empty()) spare_.clear();
+    last = transfers_.empty();
   }
+  transfer.reset();
+  if (last) give_back();
+}
+
+// The histories and buffers of transfers are large: an idle daemon is to be small again.
+void UploadEndpoint::give_back() {
+  spare_.clear();
+  ::malloc_trim(0);
 }
 
 void UploadEndpoint::tidy() {
   const auto now = Clock::now();
   std::vector<std::shared_ptr<Transfer>> ended;
-  std::lock_guard lock(mutex_);
-  for (auto one = transfers_.begin(); one != transfers_.end();) {
-    Transfer& transfer = *one->second;
-    bool forget = false;
-    {
-      std::lock_guard inner(transfer.mutex);
-      forget = transfer.queued == 0 && now - transfer.last_seen > kForget;
+  bool last = false;
+  {
+    std::lock_guard lock(mutex_);
+    for (auto one = transfers_.begin(); one != transfers_.end();) {
+      Transfer& transfer = *one->second;
+      bool forget = false;
+      {
+        std::lock_guard inner(transfer.mutex);
+        forget = transfer.queued == 0 && now - transfer.last_seen > kForget;
+      }
+      if (forget) {
+        ended.push_back(std::move(one->second));
+        one = transfers_.erase(one);
+      } else {
+        ++one;
+      }
     }
-    if (forget) {
-      ended.push_back(std::move(one->second));
-      one = transfers_.erase(one);
-    } else {
-      ++one;
-    }
+    last = !ended.empty() && transfers_.empty();
   }
-  if (transfers_.empty()) spare_.clear();
+  ended.clear();
+  if (last) give_back();
 }
 
 }  // namespace tenter::service

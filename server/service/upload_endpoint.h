@@ -73,6 +73,7 @@ class UploadEndpoint {
              const std::vector<std::uint8_t>& data);
   void acknowledge(Transfer& transfer, std::uint32_t status, const std::string& message);
   void close(const wire::Uuid& id);
+  void give_back();
 
   const Context context_;
   jobs::JobService& jobs_;

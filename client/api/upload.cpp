@@ -24,8 +24,11 @@ namespace {
 
 // Below this a file is hashed before anything is sent, so that nothing is sent twice. Above it the
 // server names it: each chunk has its checksum, the list of them says whose they are, and no fault
-// on the way passes those two. A hash of the whole is a help where the network is slow, no more.
+// on the way passes those two. A hash of the whole is worth its time only where sending takes
+// longer than hashing: then it may show that the server has the file.
 constexpr std::uint64_t kHashFirst = 8u << 20;
+constexpr double kLookAfter = 0.5;      // seconds of sending, before how fast it is can be said
+constexpr double kHashBytesPerS = 1e9;  // at least
 constexpr auto kSilence = std::chrono::milliseconds(1500);  // without an acknowledgement: ask
 
 class Upload {
@@ -40,6 +43,7 @@ class Upload {
   enum class Step { send, store, commit, done };
 
   Expected<bool> already_known();
+  void hash_if_slow();
 
   Expected<Step> open();
   Expected<Step> send();
@@ -64,6 +68,8 @@ class Upload {
   std::uint64_t chunks_ = 0;
   std::vector<std::uint64_t> missing_;
   bool first_open_ = true;
+  Clock::time_point send_start_;
+  std::uint64_t written_at_start_ = 0;
   std::uint64_t best_ = 0;  ///< progress is more chunks written than ever before
 
   std::mutex mutex_;
@@ -86,10 +92,7 @@ Expected<UploadResult> Upload::run() {
   auto name = size_ < kHashFirst ? file_.sha256({}) : file_.stand_in();
   if (!name) return tl::unexpected(name.error());
   name_ = *name;
-  if (size_ < kHashFirst)
-    sha256_ = name_;
-  else
-    spare_hash_.emplace(file_);
+  if (size_ < kHashFirst) sha256_ = name_;
 
   auto since = Clock::now();
   for (;;) {
@@ -110,6 +113,20 @@ Expected<UploadResult> Upload::run() {
                                               std::to_string(written_) + " of " +
                                               std::to_string(chunks_) + " chunks are there");
   }
+}
+
+void Upload::hash_if_slow() {
+  if (!sha256_.empty() || spare_hash_) return;
+  const double so_far = std::chrono::duration<double>(Clock::now() - send_start_).count();
+  if (so_far < kLookAfter) return;
+  std::uint64_t chunks = 0, left = 0;
+  {
+    std::lock_guard lock(mutex_);
+    chunks = written_ - std::min(written_, written_at_start_);
+    left = chunks_ - written_;
+  }
+  const double rest = so_far * static_cast<double>(left) / static_cast<double>(chunks + 1);
+  if (rest > static_cast<double>(size_) / kHashBytesPerS) spare_hash_.emplace(file_);
 }
 
 Expected<bool> Upload::already_known() {
@@ -189,13 +206,13 @@ Expected<void> Upload::connect(const wire::Uuid& transfer) {
 Expected<Upload::Step> Upload::send() {
   ReadAhead ahead(file_, missing_, transfer_);
   std::uint64_t sent = 0;
-  std::uint64_t written_at_start = 0;
   {
     std::lock_guard lock(mutex_);
-    written_at_start = written_;
+    written_at_start_ = written_;
   }
+  send_start_ = Clock::now();
   const auto in_flight = [&] {  // with mutex_
-    const std::uint64_t done = written_ - std::min(written_, written_at_start);
+    const std::uint64_t done = written_ - std::min(written_, written_at_start_);
     return sent - std::min(sent, done);
   };
   for (;;) {
@@ -212,6 +229,7 @@ Expected<Upload::Step> Upload::send() {
     if (auto written = writer_->write(**chunk, std::chrono::milliseconds(2000)); !written) break;
     ++sent;
     tell();
+    hash_if_slow();
     auto known = already_known();
     if (!known) return tl::unexpected(known.error());
     if (*known) return Step::done;

@@ -76,8 +76,7 @@ class ReadAhead {
 };
 
 /// The SHA-256 of a file by what the processors have to spare: behind a slow network it is known
-/// long before all is sent, and may show that the server has the file; beside a fast one it must
-/// not cost anything. Ends with the object.
+/// long before all is sent, and may show that the server has the file. Ends with the object.
 class SpareHash {
  public:
   explicit SpareHash(const UploadFile& file);

@@ -135,6 +135,32 @@ TEST(TransfersOverDds, WhatWasStoredSurvivesKillMinusNineOfTheDaemon) {
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_EQ(done->sha256, sha256_file(daemon.folder() / "gone.h5").value());
   EXPECT_EQ(json::parse(client.list_captures().value())["captures"][0]["id"], done->sha256);
+  auto again = client.upload_capture(daemon.folder() / "gone.h5");
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_TRUE(again->already_stored);
+  EXPECT_EQ(again->sha256, done->sha256);
+}
+
+TEST(TransfersOverDds, AFileThatIsThereIsNotSentToItsEndWhereSendingIsSlow) {
+  Daemon daemon;
+  const auto file = daemon.folder() / "large.h5";
+  write_noise_capture(file, 400000, 12);
+  auto client = daemon.connect().value();
+  auto first = client.upload_capture(file);
+  ASSERT_TRUE(first) << first.error().message;
+  std::uint64_t sent = 0;
+  auto second = client.upload_capture(file, [&](const client::TransferProgress& progress) {
+    if (progress.stored) return;
+    sent = progress.bytes_done;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  });
+  ASSERT_TRUE(second) << second.error().message;
+  EXPECT_TRUE(second->already_stored);
+  EXPECT_EQ(second->sha256, first->sha256);
+  EXPECT_GT(sent, 0u);
+  EXPECT_LT(sent, std::filesystem::file_size(file) * 3 / 4);
+  const std::filesystem::path left = daemon.store() / "uploads";
+  EXPECT_TRUE(std::filesystem::is_empty(left));
 }
 
 TEST(TransfersOverDds, ChunksOfAnOlderVersionOfTheFileAreSentAgain) {

@@ -46,6 +46,7 @@ struct TransferProgress {
   std::uint64_t bytes_done = 0;  ///< includes resumed
   std::uint64_t bytes_total = 0;
   std::uint64_t bytes_resumed = 0;
+  bool stored = false;  ///< an upload: all is on the server's disk; now it reads the content
 };
 using TransferCallback = std::function<void(const TransferProgress&)>;
 

@@ -113,7 +113,12 @@ void ProgressDisplay::show_transfer(const std::string& what,
   const double seconds = std::chrono::duration<double>(now - transfer_start_).count();
   if (seconds > 0.5 && done > bytes_before_)
     line += "  " + bytes_words((done - bytes_before_) / seconds) + "/s";
-  draw(cut(line, terminal_ ? width_ - 1 : 400), "transfer/" + what, now);
+  std::string milestone = "transfer/" + what;
+  if (progress.stored) {
+    line = what + "  " + bytes_words(total) + " stored; the server reads them";
+    if (terminal_) milestone += "/stored";
+  }
+  draw(cut(line, terminal_ ? width_ - 1 : 400), milestone, now);
 }
 
 void ProgressDisplay::draw(const std::string& line, const std::string& milestone,

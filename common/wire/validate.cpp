@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "common/wire/crc32c.h"
+#include "common/base/crc32c.h"
 
 namespace tenter::wire {
 namespace {

@@ -7,9 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <condition_variable>
-#include <mutex>
-#include <set>
+#include <future>
 #include <system_error>
 
 #include "common/base/sha256.h"
@@ -19,6 +17,7 @@
 #include "server/jobs/scheduler.h"
 #include "server/jobs/spec.h"
 #include "server/jobs/store.h"
+#include "server/jobs/turns.h"
 
 namespace tenter::jobs {
 
@@ -36,9 +35,7 @@ class JobService::Impl {
   std::unique_ptr<LocalExecutor> executor;  // dies before the scheduler that it wakes
   std::chrono::steady_clock::time_point opened = std::chrono::steady_clock::now();
 
-  std::mutex commits_mutex;  // one commit per transfer at a time
-  std::condition_variable commits_done;
-  std::set<std::string> committing;
+  Turns turns;  // of what ends a transfer
 
   Expected<void> open();
   Expected<Committed> commit(const std::string& transfer, const std::string& sha256);
@@ -279,55 +276,56 @@ Expected<UploadState> JobService::upload_open(const UploadRequest& request) {
 }
 
 Expected<UploadProgress> JobService::upload_chunk(const std::string& transfer, std::uint64_t index,
-                                                  std::string_view bytes) {
-  return impl_->uploads->write_chunk(transfer, index, bytes);
+                                                  std::string_view bytes,
+                                                  std::optional<std::uint32_t> crc32c) {
+  return impl_->uploads->write_chunk(transfer, index, bytes, crc32c);
+}
+
+Expected<void> JobService::upload_store(const std::string& transfer, const std::string& checksums) {
+  const Turns::Turn turn(impl_->turns, transfer);
+  return impl_->uploads->confirm(transfer, checksums);
 }
 
 Expected<JobService::Committed> JobService::upload_commit(const std::string& transfer,
                                                           const std::string& sha256) {
-  {
-    std::unique_lock lock(impl_->commits_mutex);
-    impl_->commits_done.wait(lock, [&] { return !impl_->committing.contains(transfer); });
-    impl_->committing.insert(transfer);
-  }
-  auto committed = impl_->commit(transfer, sha256);
-  {
-    const std::lock_guard lock(impl_->commits_mutex);
-    impl_->committing.erase(transfer);
-  }
-  impl_->commits_done.notify_all();
-  return committed;
+  const Turns::Turn turn(impl_->turns, transfer);
+  return impl_->commit(transfer, sha256);
 }
 
 // Bytes checked and on disk, content read, object in place, row inserted, transfer dropped: in this
 // order, and each step may be repeated by who asks again after a lost reply or a restart.
 Expected<JobService::Committed> JobService::Impl::commit(const std::string& transfer,
                                                          const std::string& sha256) {
-  auto file = uploads->finish(transfer, sha256);
-  if (!file) {
-    if (file.error().kind != ErrorKind::not_found) return tl::unexpected(file.error());
+  const auto sealed = uploads->seal(transfer);
+  if (!sealed) {
+    if (sealed.error().kind != ErrorKind::not_found) return tl::unexpected(sealed.error());
     auto before = queue->committed_transfer(transfer);
     if (!before) return tl::unexpected(before.error());
-    if (!*before) return tl::unexpected(file.error());
+    if (!*before) return tl::unexpected(sealed.error());
     auto capture = queue->capture(**before);
     if (!capture) return tl::unexpected(capture.error());
     return Committed{std::move(*capture), false};
   }
-  const UploadRequest& request = file->request;
-  const auto stored = store->path(request.sha256);  // by an interrupted commit, or as a result
-  CaptureSummary summary;
-  if (config.inspect_capture) {
-    auto seen = config.inspect_capture(stored ? *stored : file->path);
-    if (!seen) {
-      if (seen.error().kind == ErrorKind::bad_input) {
-        if (auto dropped = uploads->drop(transfer); !dropped)
-          return tl::unexpected(dropped.error());
-      }
-      return tl::unexpected(seen.error());
+  const auto read = [this](const fs::path& path) -> Expected<CaptureSummary> {
+    return config.inspect_capture ? config.inspect_capture(path) : CaptureSummary{};
+  };
+  const bool here = fs::exists(*sealed);  // an interrupted commit may have moved it on already
+  std::future<Expected<CaptureSummary>> reading;
+  if (here) reading = std::async(std::launch::async, read, *sealed);
+  auto file = uploads->finish(transfer, sha256);
+  auto seen = here   ? reading.get()
+              : file ? store->path(file->request.sha256).and_then(read)
+                     : Expected<CaptureSummary>{};
+  if (!file) return tl::unexpected(file.error());  // what was read of such a file says nothing
+  if (!seen) {
+    if (seen.error().kind == ErrorKind::bad_input) {
+      if (auto dropped = uploads->drop(transfer); !dropped) return tl::unexpected(dropped.error());
     }
-    summary = std::move(*seen);
+    return tl::unexpected(seen.error());
   }
-  if (!stored) {
+  const CaptureSummary& summary = *seen;
+  const UploadRequest& request = file->request;
+  if (!store->path(request.sha256)) {  // else by an interrupted commit, or as a result
     auto adopted = store->adopt(file->path, request.sha256);
     if (!adopted) return tl::unexpected(adopted.error());
   }

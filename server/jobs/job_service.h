@@ -120,9 +120,12 @@ class JobService {
   // --- captures: see uploads.h for the transfer
   Expected<UploadState> upload_open(const UploadRequest& request);
   Expected<UploadProgress> upload_chunk(const std::string& transfer, std::uint64_t index,
-                                        std::string_view bytes);
-  /// Checks hash and content, makes it durable, inserts the row. `created` false: it was there
-  /// already.
+                                        std::string_view bytes,
+                                        std::optional<std::uint32_t> crc32c = std::nullopt);
+  /// All chunks are there, on disk, and are those of the client's file: the client may forget it.
+  Expected<void> upload_store(const std::string& transfer, const std::string& checksums);
+  /// Makes it durable, checks hash and content side by side, inserts the row. `created` false: it
+  /// was there already.
   struct Committed {
     CaptureRecord capture;
     bool created = false;

@@ -7,17 +7,30 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <system_error>
+
+#include "common/base/crc32c.h"
+#include "common/base/sha256.h"
+#include "common/base/sha256_stream.h"
 
 namespace tenter::jobs {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::uint64_t kPresent = std::uint64_t{0x6b6e6863} << 32;  // "chnk" above the checksum
+constexpr std::size_t kPiece = std::size_t{1} << 18;                 // stays in the cache
+
+}  // namespace
 
 UploadTransfer::UploadTransfer(fs::path folder, UploadRequest request)
     : folder_(std::move(folder)), request_(std::move(request)) {
   chunks_ = (request_.size_bytes + Uploads::kChunkBytes - 1) / Uploads::kChunkBytes;
   received_.assign(chunks_, false);
   durable_.assign(chunks_, false);
+  crc32c_.assign(chunks_, 0);
 }
 
 Expected<void> UploadTransfer::create() {
@@ -41,23 +54,27 @@ Expected<void> UploadTransfer::create() {
 }
 
 Expected<void> UploadTransfer::resume() {
-  auto bits = read_file(folder_ / "bitmap", bitmap_bytes());
-  if (!bits) return tl::unexpected(bits.error());
+  auto marks = read_file(folder_ / "chunks", marks_bytes());
+  if (!marks) return tl::unexpected(marks.error());
   auto stamp = stamp_of(data_path());
   if (!stamp) return tl::unexpected(stamp.error());
-  if (bits->size() != bitmap_bytes() || stamp->size != request_.size_bytes) {
+  if (marks->size() != marks_bytes() || stamp->size != request_.size_bytes) {
     return fail(ErrorKind::internal, folder_.string() + ": the half-received capture is damaged");
   }
   for (std::uint64_t i = 0; i < chunks_; ++i) {
-    const bool bit = (static_cast<unsigned char>((*bits)[i / 8]) >> (i % 8)) & 1;
-    received_[i] = durable_[i] = bit;
-    received_count_ += bit;
-    durable_count_ += bit;
+    std::uint64_t mark = 0;
+    std::memcpy(&mark, marks->data() + i * sizeof mark, sizeof mark);
+    const bool there = (mark >> 32) == (kPresent >> 32);
+    received_[i] = durable_[i] = there;
+    received_count_ += there;
+    durable_count_ += there;
+    crc32c_[i] = static_cast<std::uint32_t>(mark);
   }
   return open_files();
 }
 
-Expected<UploadProgress> UploadTransfer::write(std::uint64_t index, std::string_view bytes) {
+Expected<UploadProgress> UploadTransfer::write(std::uint64_t index, std::string_view bytes,
+                                               std::uint32_t crc32c) {
   if (index >= chunks_) {
     return bad_input("chunk " + std::to_string(index) + " is beyond the last of " +
                      std::to_string(chunks_) + " chunks");
@@ -81,6 +98,7 @@ Expected<UploadProgress> UploadTransfer::write(std::uint64_t index, std::string_
                     SYNC_FILE_RANGE_WRITE);
   const std::lock_guard state(state_);
   received_[index] = true;
+  crc32c_[index] = crc32c;
   ++received_count_;
   return progress();
 }
@@ -95,12 +113,18 @@ Expected<void> UploadTransfer::sync() {
 
 Expected<void> UploadTransfer::sync_once() {
   std::vector<bool> upto;
-  std::uint64_t count = 0;
+  std::vector<std::uint64_t> marks;  // from the first new one to the last
+  std::uint64_t count = 0, first = 0;
   {
     const std::lock_guard state(state_);
     if (durable_count_ == received_count_) return {};
     upto = received_;
     count = received_count_;
+    while (durable_[first] == received_[first]) ++first;
+    std::uint64_t end = chunks_;
+    while (durable_[end - 1] == received_[end - 1]) --end;
+    for (std::uint64_t i = first; i < end; ++i)
+      marks.push_back(received_[i] ? kPresent | crc32c_[i] : 0);
   }
   if (!synced_before_) {
     if (auto done = sync_file(folder_ / "request"); !done) return done;
@@ -112,13 +136,13 @@ Expected<void> UploadTransfer::sync_once() {
   if (::fdatasync(data_.get()) != 0) {
     return tl::unexpected<Error>(system_error(data_path(), "writing to disk", errno));
   }
-  std::string bits(bitmap_bytes(), '\0');
-  for (std::uint64_t i = 0; i < chunks_; ++i) {
-    if (upto[i]) bits[i / 8] = static_cast<char>(bits[i / 8] | (1 << (i % 8)));
-  }
-  if (auto done = write_all_at(bitmap_.get(), bits, 0, folder_ / "bitmap"); !done) return done;
-  if (::fdatasync(bitmap_.get()) != 0) {
-    return tl::unexpected<Error>(system_error(folder_ / "bitmap", "writing to disk", errno));
+  const std::string_view bytes(reinterpret_cast<const char*>(marks.data()),
+                               marks.size() * sizeof marks[0]);
+  if (auto done = write_all_at(marks_.get(), bytes, first * sizeof marks[0], folder_ / "chunks");
+      !done)
+    return done;
+  if (::fdatasync(marks_.get()) != 0) {
+    return tl::unexpected<Error>(system_error(folder_ / "chunks", "writing to disk", errno));
   }
   const std::lock_guard state(state_);
   durable_ = std::move(upto);
@@ -129,27 +153,6 @@ Expected<void> UploadTransfer::sync_once() {
 bool UploadTransfer::wants_sync() const {
   const std::lock_guard state(state_);
   return received_count_ - durable_count_ >= Uploads::kChunksPerSync;
-}
-
-Expected<void> UploadTransfer::hash_prefix() {
-  const std::lock_guard one(hashing_);
-  std::string piece;
-  for (;; ++hashed_) {
-    {
-      const std::lock_guard state(state_);
-      if (hashed_ == chunks_ || !received_[hashed_]) return {};
-    }
-    piece.resize(size_of(hashed_));
-    std::size_t have = 0;
-    while (have < piece.size()) {
-      const ssize_t got = ::pread(data_.get(), piece.data() + have, piece.size() - have,
-                                  static_cast<off_t>(hashed_ * Uploads::kChunkBytes + have));
-      if (got < 0 && errno == EINTR) continue;
-      if (got <= 0) return tl::unexpected<Error>(system_error(data_path(), "reading", errno));
-      have += static_cast<std::size_t>(got);
-    }
-    hash_.add(piece);
-  }
 }
 
 Expected<void> UploadTransfer::close() {
@@ -171,9 +174,40 @@ void UploadTransfer::end() {
   closed_ = true;
 }
 
-const std::string& UploadTransfer::sha256() {
+std::string UploadTransfer::checksums() const {
+  std::string bytes;
+  const std::lock_guard state(state_);
+  for (const std::uint32_t crc : crc32c_)
+    for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(crc >> shift);
+  return sha256_hex(bytes);
+}
+
+Expected<std::string> UploadTransfer::sha256() {
   const std::lock_guard one(hashing_);
-  if (digest_.empty()) digest_ = hash_.finish();
+  if (!digest_.empty()) return digest_;
+  Sha256Stream hash;
+  std::vector<char> piece(std::min<std::uint64_t>(kPiece, request_.size_bytes));
+  std::uint32_t crc = 0;
+  for (std::uint64_t at = 0; at < request_.size_bytes;) {
+    const std::uint64_t index = at / Uploads::kChunkBytes, into = at % Uploads::kChunkBytes;
+    const std::size_t wanted = std::min<std::size_t>(kPiece, size_of(index) - into);
+    for (std::size_t have = 0; have < wanted;) {
+      const ssize_t got =
+          ::pread(data_.get(), piece.data() + have, wanted - have, static_cast<off_t>(at + have));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) return tl::unexpected<Error>(system_error(data_path(), "reading", errno));
+      have += static_cast<std::size_t>(got);
+    }
+    hash.add({piece.data(), wanted});
+    crc = crc32c(piece.data(), wanted, into == 0 ? 0 : crc);
+    at += wanted;
+    if (into + wanted < size_of(index)) continue;
+    const std::lock_guard state(state_);
+    if (crc != crc32c_[index])
+      return fail(ErrorKind::bad_input,
+                  "chunk " + std::to_string(index) + " is not on the disk as it was received");
+  }
+  digest_ = hash.finish();
   return digest_;
 }
 
@@ -207,7 +241,7 @@ Expected<void> UploadTransfer::fill(const fs::path& folder) const {
     if (!file) return tl::unexpected(file.error());
     return write_all(file->get(), text, folder / name);
   };
-  if (auto done = write_small("bitmap", std::string(bitmap_bytes(), '\0')); !done) return done;
+  if (auto done = write_small("chunks", std::string(marks_bytes(), '\0')); !done) return done;
   return write_small("request", request_.sha256 + " " + std::to_string(request_.size_bytes) + " " +
                                     request_.user + "\n");
 }
@@ -215,10 +249,10 @@ Expected<void> UploadTransfer::fill(const fs::path& folder) const {
 Expected<void> UploadTransfer::open_files() {
   auto data = open_file(data_path(), O_RDWR);
   if (!data) return tl::unexpected(data.error());
-  auto bitmap = open_file(folder_ / "bitmap", O_RDWR);
-  if (!bitmap) return tl::unexpected(bitmap.error());
+  auto marks = open_file(folder_ / "chunks", O_RDWR);
+  if (!marks) return tl::unexpected(marks.error());
   data_ = std::move(*data);
-  bitmap_ = std::move(*bitmap);
+  marks_ = std::move(*marks);
   return {};
 }
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One half-received capture on disk: FOLDER/{data, bitmap, request}. Inside uploads.cpp only; the
+// One half-received capture on disk: FOLDER/{data, chunks, request}. Inside uploads.cpp only; the
 // contract is there.
 //
-// `writing_` is held while bytes go into the file, so that a chunk is written once and its hash
-// stays true; `state_` guards the rest and is never held over disk access. Hashing and syncing may
-// run beside the writing, each once at a time.
+// `chunks` has eight bytes for every chunk: a mark that it is there, and its CRC-32C as the sender
+// gave it. `writing_` is held while bytes go into the file, so that a chunk is written once and its
+// checksum stays true; `state_` guards the rest and is never held over disk access. Syncing may run
+// beside the writing, once at a time.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
@@ -16,7 +18,6 @@
 #include <vector>
 
 #include "common/base/error.h"
-#include "common/base/sha256_stream.h"
 #include "server/jobs/files.h"
 #include "server/jobs/uploads.h"
 
@@ -36,25 +37,30 @@ class UploadTransfer {
   /// Reads what an earlier daemon left.
   Expected<void> resume();
 
-  Expected<UploadProgress> write(std::uint64_t index, std::string_view bytes);
-  /// Data first, then the bits: a bit on disk means bytes on disk. A failure is remembered, because
-  /// the kernel tells of lost pages once only.
+  /// `crc32c` is that of `bytes`, checked by who received them.
+  Expected<UploadProgress> write(std::uint64_t index, std::string_view bytes, std::uint32_t crc32c);
+  /// Data first, then the marks: a mark on disk means bytes on disk. A failure is remembered,
+  /// because the kernel tells of lost pages once only.
   Expected<void> sync();
   bool wants_sync() const;
-  /// Hashes the leading chunks that are there, from where the last call stopped.
-  Expected<void> hash_prefix();
   /// No chunk is taken afterwards; an Error, and still open, while some are missing.
   Expected<void> close();
   void end();
-  /// Of the whole file, after close() and hash_prefix().
-  const std::string& sha256();
+  /// SHA-256 of the checksums of all chunks, four bytes each, least first; after close().
+  std::string checksums() const;
+  /// The file is the one that the client means: its checksums() are those of the client.
+  void confirm() { confirmed_ = true; }
+  bool confirmed() const { return confirmed_; }
+  /// Of the whole file as it is read back, after close(). An Error when a chunk no longer has its
+  /// checksum.
+  Expected<std::string> sha256();
 
   UploadState state(const std::string& name) const;
   UploadProgress progress_now() const;
 
  private:
   UploadProgress progress() const { return {received_count_, durable_count_, chunks_}; }
-  std::size_t bitmap_bytes() const { return (chunks_ + 7) / 8; }
+  std::size_t marks_bytes() const { return chunks_ * sizeof(std::uint64_t); }
   std::size_t size_of(std::uint64_t index) const;
   Expected<void> fill(const std::filesystem::path& folder) const;
   Expected<void> open_files();
@@ -63,13 +69,15 @@ class UploadTransfer {
   const std::filesystem::path folder_;
   const UploadRequest request_;
   std::uint64_t chunks_ = 0;
-  FileDescriptor data_, bitmap_;
+  FileDescriptor data_, marks_;
+  std::atomic<bool> confirmed_{false};
 
   std::mutex writing_;
   bool closed_ = false;  // by writing_
 
   mutable std::mutex state_;
   std::vector<bool> received_, durable_;
+  std::vector<std::uint32_t> crc32c_;  // of what was received
   std::uint64_t received_count_ = 0, durable_count_ = 0;
 
   std::mutex syncing_;
@@ -77,9 +85,7 @@ class UploadTransfer {
   std::optional<Error> sync_lost_;  // by syncing_
 
   std::mutex hashing_;
-  Sha256Stream hash_;
-  std::uint64_t hashed_ = 0;
-  std::string digest_;
+  std::string digest_;  // by hashing_
 };
 
 }  // namespace tenter::jobs

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <thread>
 
+#include "common/base/crc32c.h"
 #include "common/base/sha256.h"
 #include "server/jobs/files.h"
 #include "server/jobs/upload_transfer.h"
@@ -21,7 +22,7 @@ namespace tenter::jobs {
 
 namespace fs = std::filesystem;
 
-// Hashes and syncs behind the back of who brings the chunks; sleeps when there is nothing new.
+// Syncs behind the back of who brings the chunks; sleeps when there is nothing new.
 class Uploads::Helper {
  public:
   Helper() : thread_([this](const std::stop_token& stop) { run(stop); }) {}
@@ -45,8 +46,7 @@ class Uploads::Helper {
         next = std::move(waiting_.front());
         waiting_.erase(waiting_.begin());
       }
-      // failures here are met again, and told, by finish()
-      [[maybe_unused]] auto hashed = next->hash_prefix();
+      // a failure here is met again, and told, by seal()
       if (next->wants_sync()) [[maybe_unused]]
         auto synced = next->sync();
     }
@@ -73,7 +73,7 @@ Expected<std::unique_ptr<Uploads>> Uploads::open(fs::path folder, int keep_days)
     auto text = read_file(entry.path() / "request", 4096);
     UploadRequest request;
     std::istringstream words(text ? *text : "");
-    const bool old = fs::last_write_time(entry.path() / "bitmap", ignored) < oldest;
+    const bool old = fs::last_write_time(entry.path() / "chunks", ignored) < oldest;
     if (!(words >> request.sha256 >> request.size_bytes >> request.user) ||
         !is_sha256(request.sha256) || old || entry.path().extension() == ".new") {
       drop();
@@ -124,11 +124,12 @@ Expected<std::shared_ptr<UploadTransfer>> Uploads::find(const std::string& trans
 }
 
 Expected<UploadProgress> Uploads::write_chunk(const std::string& transfer, std::uint64_t index,
-                                              std::string_view bytes) {
+                                              std::string_view bytes,
+                                              std::optional<std::uint32_t> crc) {
   auto found = find(transfer);
   if (!found) return tl::unexpected(found.error());
-  auto progress = (*found)->write(index, bytes);
-  if (progress) helper_->look_at(*found);
+  auto progress = (*found)->write(index, bytes, crc ? *crc : crc32c(bytes.data(), bytes.size()));
+  if (progress && (*found)->wants_sync()) helper_->look_at(*found);
   return progress;
 }
 
@@ -145,31 +146,53 @@ Expected<UploadRequest> Uploads::request(const std::string& transfer) const {
   return (*found)->request();
 }
 
+Expected<fs::path> Uploads::seal(const std::string& transfer) {
+  auto found = find(transfer);
+  if (!found) return tl::unexpected(found.error());
+  if (auto done = (*found)->close(); !done) return tl::unexpected(done.error());
+  if (auto synced = (*found)->sync(); !synced) {  // which bytes are lost is not known: all again
+    if (auto dropped = drop(transfer); !dropped) return tl::unexpected(dropped.error());
+    return tl::unexpected(synced.error());
+  }
+  return (*found)->data_path();
+}
+
+Expected<void> Uploads::confirm(const std::string& transfer, const std::string& checksums) {
+  auto found = find(transfer);
+  if (!found) return tl::unexpected(found.error());
+  if (auto sealed = seal(transfer); !sealed) return tl::unexpected(sealed.error());
+  if ((*found)->checksums() == checksums) {
+    (*found)->confirm();
+    return {};
+  }
+  if (auto done = drop(transfer); !done) return done;
+  return bad_input("the uploaded chunks are not those of the file; the upload was dropped");
+}
+
 Expected<Uploads::Finished> Uploads::finish(const std::string& transfer,
                                             const std::string& sha256) {
   auto found = find(transfer);
   if (!found) return tl::unexpected(found.error());
   UploadTransfer& it = **found;
   UploadRequest request = it.request();
+  auto path = seal(transfer);
+  if (!path) return tl::unexpected(path.error());
+  const bool promised = !sha256.empty() || !it.confirmed();
   if (!sha256.empty()) request.sha256 = sha256;
-  if (auto done = it.close(); !done) return tl::unexpected(done.error());
-  Expected<void> synced;
-  std::thread syncing([&] { synced = it.sync(); });  // the disk writes while the hash is finished
-  const auto hashed = it.hash_prefix();
-  syncing.join();
-  if (!synced) {  // which bytes are lost is not known: from the start again
-    if (auto dropped = drop(transfer); !dropped) return tl::unexpected(dropped.error());
-    return tl::unexpected(synced.error());
+  const auto hash = it.sha256();
+  std::string message;
+  if (!hash) {
+    if (hash.error().kind != ErrorKind::bad_input) return tl::unexpected(hash.error());
+    message = hash.error().message;
+  } else if (promised && *hash != request.sha256) {
+    message =
+        "the uploaded bytes have the hash " + *hash + " instead of the promised " + request.sha256;
+  } else {
+    request.sha256 = *hash;
+    return Finished{std::move(*path), std::move(request)};
   }
-  if (!hashed) return tl::unexpected(hashed.error());
-  if (it.sha256() != request.sha256) {
-    const std::string message = "the uploaded bytes have the hash " + it.sha256() +
-                                " instead of the promised " + request.sha256 +
-                                "; the upload was dropped";
-    if (auto done = drop(transfer); !done) return tl::unexpected(done.error());
-    return bad_input(message);
-  }
-  return Finished{it.data_path(), std::move(request)};
+  if (auto done = drop(transfer); !done) return tl::unexpected(done.error());
+  return bad_input(message + "; the upload was dropped");
 }
 
 Expected<void> Uploads::drop(const std::string& transfer) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Half-received captures: a transfer is a folder with the bytes so far and a bitmap of the chunks
-// that are on disk.
+// Half-received captures: a transfer is a folder with the bytes so far and a list of the chunks
+// that are on disk, with their checksums.
 //
 //   auto state = uploads.open({.user = "ada", .sha256 = sha, .size_bytes = size});
 //   for each chunk missing in state->present: uploads.write_chunk(state->transfer, index, bytes);
@@ -8,7 +8,7 @@
 //
 // The transfer's name follows from user, hash and size, so opening again, also after a restart,
 // resumes. A chunk counts as durable, and is shown present after a restart, only once data and
-// bitmap were synced: every kChunksPerSync chunks, on sync() and on finish(). Any thread; chunks of
+// list were synced: every kChunksPerSync chunks, on sync() and on seal(). Any thread; chunks of
 // different transfers do not wait for each other.
 #pragma once
 
@@ -17,6 +17,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -61,8 +62,10 @@ class Uploads {
 
   /// Reserves the space on disk first: a full disk is refused here, before the first chunk.
   Expected<UploadState> open_transfer(const UploadRequest& request);
+  /// `crc32c` is that of `bytes` where the caller has checked it already.
   Expected<UploadProgress> write_chunk(const std::string& transfer, std::uint64_t index,
-                                       std::string_view bytes);
+                                       std::string_view bytes,
+                                       std::optional<std::uint32_t> crc32c = std::nullopt);
   Expected<UploadProgress> sync(const std::string& transfer);
   Expected<UploadRequest> request(const std::string& transfer) const;
 
@@ -70,10 +73,19 @@ class Uploads {
     std::filesystem::path path;
     UploadRequest request;
   };
-  /// Refuses while chunks are missing; on a wrong hash the transfer is dropped. The file stays in
-  /// the area until drop(); renaming it into the store is the caller's. `sha256`, when given, takes
-  /// the place of the one promised when the transfer was opened: a client that hashes while it
-  /// sends opens with any 64 hex digits that name the file.
+  /// No chunk is taken afterwards and all are on disk; the file. Refuses while chunks are missing.
+  Expected<std::filesystem::path> seal(const std::string& transfer);
+  /// Seals, and compares the SHA-256 of the chunks' CRC-32C (four bytes each, least first) with the
+  /// client's. Then the whole file is here as the client read it: each chunk was compared when it
+  /// came, the list says that they are the chunks of one file in this order, and no byte was read
+  /// again for it. Else bad_input, and the transfer is dropped.
+  Expected<void> confirm(const std::string& transfer, const std::string& checksums);
+  /// Seals and reads the file once: its SHA-256, and whether each chunk still has its checksum, so
+  /// that the name is that of the bytes received. The file stays in the area until drop(); renaming
+  /// it into the store is the caller's. The hash must be `sha256`; if that is not given, the one
+  /// promised when the transfer was opened; after confirm() none is needed: a client that
+  /// does not hash opens with any 64 hex digits that name the file. On a wrong one the transfer is
+  /// dropped.
   Expected<Finished> finish(const std::string& transfer, const std::string& sha256 = {});
   Expected<void> drop(const std::string& transfer);
 

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "common/wire/crc32c.h"
+#include "common/base/crc32c.h"
 #include "common/wire/validate.h"
 #include "server/service/body.h"
 
@@ -157,7 +157,7 @@ Expected<json> DownloadEndpoint::more(const Caller& caller, const json& body) {
     chunk.data().resize(std::min<std::uint64_t>(v1::CHUNK_BYTES, transfer->size - offset));
     if (auto read = read_at(transfer->file, offset, chunk.data()); !read)
       return tl::unexpected(read.error());
-    chunk.crc32c(wire::crc32c(chunk.data().data(), chunk.data().size()));
+    chunk.crc32c(crc32c(chunk.data().data(), chunk.data().size()));
     if (auto sent = transfer->writer->write(chunk, kWriteDeadline); !sent)
       return tl::unexpected(sent.error());
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/service/upload_endpoint.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -34,9 +36,28 @@ json missing_ranges(const std::vector<bool>& present) {
 
 }  // namespace
 
+std::vector<std::uint8_t> UploadEndpoint::Buffers::take() {
+  std::lock_guard lock(mutex_);
+  if (kept_.empty()) return {};
+  auto buffer = std::move(kept_.back());
+  kept_.pop_back();
+  return buffer;
+}
+
+void UploadEndpoint::Buffers::put(std::vector<std::uint8_t> buffer) {
+  std::lock_guard lock(mutex_);
+  if (kept_.size() < v1::CHUNK_WINDOW) kept_.push_back(std::move(buffer));
+}
+
+void UploadEndpoint::Buffers::clear() {
+  std::lock_guard lock(mutex_);
+  kept_ = {};
+}
+
 struct UploadEndpoint::Transfer {
   std::string name;  ///< as the queue calls it
   wire::Uuid id{};
+  std::string lane;  ///< its key in the queue
   std::string user;
   std::uint64_t chunks = 0;
 
@@ -63,6 +84,7 @@ UploadEndpoint::~UploadEndpoint() {
 
 void UploadEndpoint::add_operations(Operations& table) {
   table["capture.open"] = {[this](const Caller& c, const json& b) { return open(c, b); }, true};
+  table["capture.store"] = {[this](const Caller& c, const json& b) { return store(c, b); }, true};
   table["capture.commit"] = {[this](const Caller& c, const json& b) { return commit(c, b); }, true};
   table["capture.known"] = {[this](const Caller&, const json& b) { return known(b); }, true};
   table["capture.abandon"] = {[this](const Caller& c, const json& b) { return abandon(c, b); },
@@ -108,6 +130,7 @@ Expected<json> UploadEndpoint::open(const Caller& caller, const json& body) {
     transfer = std::make_shared<Transfer>();
     transfer->name = state->transfer;
     transfer->id = id;
+    transfer->lane = wire::to_text(id);
     transfer->user = caller.user;
     transfer->chunks = state->chunks;
     transfer->acks = std::make_unique<wire::Writer<v1::ChunkAck>>(
@@ -153,9 +176,13 @@ void UploadEndpoint::take(const std::shared_ptr<Transfer>& transfer, v1::Chunk& 
     ++transfer->queued;
   }
   const std::uint64_t index = chunk.index();
-  auto data = std::make_shared<std::vector<std::uint8_t>>(std::move(chunk.data()));
-  const bool taken = queue_->add(wire::to_text(transfer->id),
-                                 [this, transfer, index, data] { write(transfer, index, *data); });
+  const std::uint32_t crc = chunk.crc32c();  // which the validator found right
+  auto data = std::make_shared<std::vector<std::uint8_t>>(spare_.take());
+  data->swap(chunk.data());
+  const bool taken = queue_->add(transfer->lane, [this, transfer, index, crc, data] {
+    write(transfer, index, crc, *data);
+    spare_.put(std::move(*data));
+  });
   if (!taken) {
     std::lock_guard lock(transfer->mutex);
     --transfer->queued;
@@ -164,9 +191,9 @@ void UploadEndpoint::take(const std::shared_ptr<Transfer>& transfer, v1::Chunk& 
 
 // A thread of the queue; of one transfer one at a time.
 void UploadEndpoint::write(const std::shared_ptr<Transfer>& transfer, std::uint64_t index,
-                           const std::vector<std::uint8_t>& data) {
-  auto progress = jobs_.upload_chunk(transfer->name, index,
-                                     {reinterpret_cast<const char*>(data.data()), data.size()});
+                           std::uint32_t crc, const std::vector<std::uint8_t>& data) {
+  auto progress = jobs_.upload_chunk(
+      transfer->name, index, {reinterpret_cast<const char*>(data.data()), data.size()}, crc);
   bool tell = false;
   {
     std::lock_guard lock(transfer->mutex);
@@ -217,6 +244,20 @@ Expected<std::shared_ptr<UploadEndpoint::Transfer>> UploadEndpoint::find(const C
   return found->second;
 }
 
+Expected<json> UploadEndpoint::store(const Caller& caller, const json& body) {
+  auto transfer = find(caller, body);
+  if (!transfer) return tl::unexpected(transfer.error());
+  auto checksums = required_text(body, "chunks_sha256");
+  if (!checksums) return tl::unexpected(checksums.error());
+  if (!is_sha256(*checksums))
+    return bad_input("the request's \"chunks_sha256\" is not 64 lower-case hex digits");
+  if (auto done = jobs_.upload_store((*transfer)->name, *checksums); !done) {
+    if (done.error().kind == ErrorKind::bad_input) close((*transfer)->id);
+    return tl::unexpected(done.error());
+  }
+  return json{{"stored", true}};
+}
+
 Expected<json> UploadEndpoint::commit(const Caller& caller, const json& body) {
   auto transfer = find(caller, body);
   if (!transfer) return tl::unexpected(transfer.error());
@@ -253,33 +294,49 @@ Expected<json> UploadEndpoint::abandon(const Caller& caller, const json& body) {
 
 void UploadEndpoint::close(const wire::Uuid& id) {
   std::shared_ptr<Transfer> transfer;
+  bool last = false;
   {
     std::lock_guard lock(mutex_);
     const auto found = transfers_.find(id);
     if (found == transfers_.end()) return;
     transfer = std::move(found->second);
     transfers_.erase(found);
+    last = transfers_.empty();
   }
+  transfer.reset();
+  if (last) give_back();
+}
+
+// The histories and buffers of transfers are large: an idle daemon is to be small again.
+void UploadEndpoint::give_back() {
+  spare_.clear();
+  ::malloc_trim(0);
 }
 
 void UploadEndpoint::tidy() {
   const auto now = Clock::now();
   std::vector<std::shared_ptr<Transfer>> ended;
-  std::lock_guard lock(mutex_);
-  for (auto one = transfers_.begin(); one != transfers_.end();) {
-    Transfer& transfer = *one->second;
-    bool forget = false;
-    {
-      std::lock_guard inner(transfer.mutex);
-      forget = transfer.queued == 0 && now - transfer.last_seen > kForget;
+  bool last = false;
+  {
+    std::lock_guard lock(mutex_);
+    for (auto one = transfers_.begin(); one != transfers_.end();) {
+      Transfer& transfer = *one->second;
+      bool forget = false;
+      {
+        std::lock_guard inner(transfer.mutex);
+        forget = transfer.queued == 0 && now - transfer.last_seen > kForget;
+      }
+      if (forget) {
+        ended.push_back(std::move(one->second));
+        one = transfers_.erase(one);
+      } else {
+        ++one;
+      }
     }
-    if (forget) {
-      ended.push_back(std::move(one->second));
-      one = transfers_.erase(one);
-    } else {
-      ++one;
-    }
+    last = !ended.empty() && transfers_.empty();
   }
+  ended.clear();
+  if (last) give_back();
 }
 
 }  // namespace tenter::service

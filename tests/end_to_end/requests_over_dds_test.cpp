@@ -131,6 +131,11 @@ TEST(RequestsOverDds, BadOnesGetAReplyThatSaysSo) {
   EXPECT_EQ(message("capture.open", "{\"sha256\": \"x\", \"size\": 3}").kind, ErrorKind::bad_input);
   EXPECT_EQ(message("capture.open", "{\"size\": -3}").kind, ErrorKind::bad_input);
   EXPECT_EQ(message("capture.commit", "{\"transfer\": \"../../etc\"}").kind, ErrorKind::bad_input);
+  EXPECT_EQ(message("capture.store", "{}").kind, ErrorKind::bad_input);
+  EXPECT_EQ(message("capture.store", "{\"transfer\": \"" + std::string(32, '0') +
+                                         "\", \"chunks_sha256\": \"" + std::string(64, '0') + "\"}")
+                .kind,
+            ErrorKind::not_found);
   EXPECT_EQ(message("file.more",
                     "{\"transfer\": \"" + std::string(32, 'a') + "\", \"from\": 0, \"count\": 1}")
                 .kind,

@@ -116,6 +116,89 @@ TEST(TransfersOverDds, AnUploadSurvivesKillMinusNineOfTheDaemon) {
   EXPECT_EQ(json::parse(client.list_captures().value())["captures"][0]["id"], done->sha256);
 }
 
+TEST(TransfersOverDds, WhatWasStoredSurvivesKillMinusNineOfTheDaemon) {
+  Daemon daemon;
+  const auto file = daemon.folder() / "large.h5";
+  write_noise_capture(file, 100000, 12);
+  auto client = daemon.connect("ada", std::chrono::seconds(30)).value();
+  bool killed = false;
+  std::thread restarter;
+  auto done = client.upload_capture(file, [&](const client::TransferProgress& progress) {
+    if (killed || !progress.stored) return;
+    killed = true;
+    daemon.kill();
+    std::filesystem::rename(file, daemon.folder() / "gone.h5");  // the server has it
+    restarter = std::thread([&] { daemon.start(); });
+  });
+  if (restarter.joinable()) restarter.join();
+  ASSERT_TRUE(killed);
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(done->sha256, sha256_file(daemon.folder() / "gone.h5").value());
+  EXPECT_EQ(json::parse(client.list_captures().value())["captures"][0]["id"], done->sha256);
+  auto again = client.upload_capture(daemon.folder() / "gone.h5");
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_TRUE(again->already_stored);
+  EXPECT_EQ(again->sha256, done->sha256);
+}
+
+TEST(TransfersOverDds, AFileThatIsThereIsNotSentToItsEndWhereSendingIsSlow) {
+  Daemon daemon;
+  const auto file = daemon.folder() / "large.h5";
+  write_noise_capture(file, 400000, 12);
+  auto client = daemon.connect().value();
+  auto first = client.upload_capture(file);
+  ASSERT_TRUE(first) << first.error().message;
+  std::uint64_t sent = 0;
+  auto second = client.upload_capture(file, [&](const client::TransferProgress& progress) {
+    if (progress.stored) return;
+    sent = progress.bytes_done;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  });
+  ASSERT_TRUE(second) << second.error().message;
+  EXPECT_TRUE(second->already_stored);
+  EXPECT_EQ(second->sha256, first->sha256);
+  EXPECT_GT(sent, 0u);
+  EXPECT_LT(sent, std::filesystem::file_size(file) * 3 / 4);
+  const std::filesystem::path left = daemon.store() / "uploads";
+  EXPECT_TRUE(std::filesystem::is_empty(left));
+}
+
+TEST(TransfersOverDds, ChunksOfAnOlderVersionOfTheFileAreSentAgain) {
+  Daemon daemon;
+  const auto file = daemon.folder() / "large.h5";
+  write_noise_capture(file, 400000, 12);
+  const std::uint64_t size = std::filesystem::file_size(file);
+  const auto time = std::filesystem::last_write_time(file);
+  const auto right = sha256_file(file).value();
+  const auto flip = [&] {  // its size, time and ends stay: it goes by the same name
+    std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
+    bytes.seekg(static_cast<std::streamoff>(size / 8));
+    const int old = bytes.get();
+    bytes.seekp(static_cast<std::streamoff>(size / 8));
+    bytes.put(static_cast<char>(old ^ 1));
+    bytes.close();
+    std::filesystem::last_write_time(file, time);
+  };
+  flip();
+  {
+    Process client(test_client(daemon.domain(), "ada", "upload", file.string()));
+    ASSERT_EQ(client.line(), "ready");
+    for (;;) {
+      const auto line = client.line();
+      ASSERT_TRUE(line) << "the upload ended before it could be killed";
+      if (std::stoull(*line) > size / 4) break;
+    }
+    client.send_signal(SIGKILL);
+  }
+  flip();
+  ASSERT_EQ(sha256_file(file).value(), right);
+  auto client = daemon.connect().value();
+  auto resumed = client.upload_capture(file);
+  ASSERT_TRUE(resumed) << resumed.error().message;
+  EXPECT_GE(resumed->bytes_resumed, size / 4);  // so it believed at first
+  EXPECT_EQ(resumed->sha256, right);
+}
+
 TEST(TransfersOverDds, ManyAtOnce) {
   Daemon daemon;
   std::vector<std::thread> users;

@@ -86,8 +86,10 @@ TEST(ProgressDisplay, TransfersShowBytesRateAndWhatWasThere) {
   display.show_transfer("sending pull.h5", {50'000'000, 200'000'000, 50'000'000}, start);
   display.show_transfer("sending pull.h5", {150'000'000, 200'000'000, 50'000'000},
                         start + std::chrono::seconds(1));
-  for (const char* words :
-       {"sending pull.h5", "75 %", "150 MB of 200 MB", "50 MB were there", "100 MB/s"})
+  display.show_transfer("sending pull.h5", {200'000'000, 200'000'000, 50'000'000, true},
+                        start + std::chrono::seconds(2));
+  for (const char* words : {"sending pull.h5", "75 %", "150 MB of 200 MB", "50 MB were there",
+                            "100 MB/s", "stored; the server reads them"})
     EXPECT_NE(out.str().find(words), std::string::npos) << words << " in " << out.str();
 }
 

@@ -2,7 +2,7 @@
 // One valid sample of each type of the wire, for the tests of this folder.
 #pragma once
 
-#include "common/wire/crc32c.h"
+#include "common/base/crc32c.h"
 #include "common/wire/uuid.h"
 #include "common/wire/validate.h"
 

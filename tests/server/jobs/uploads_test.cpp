@@ -12,6 +12,7 @@
 #include <random>
 #include <thread>
 
+#include "common/base/crc32c.h"
 #include "tests/server/jobs/jobs_fixture.h"
 
 namespace tenter::jobs {
@@ -106,6 +107,72 @@ TEST(Uploads, WrongInputIsRefusedWithASentence) {
   EXPECT_TRUE(fs::is_empty(folder.path()));  // and forgotten
 }
 
+std::string checksums_of(const std::string& bytes) {
+  std::string list;
+  for (std::uint64_t i = 0; i * Uploads::kChunkBytes < bytes.size(); ++i) {
+    const auto crc = crc32c(chunk(bytes, i).data(), chunk(bytes, i).size());
+    for (int shift = 0; shift < 32; shift += 8) list += static_cast<char>(crc >> shift);
+  }
+  return sha256_hex(list);
+}
+
+TEST(Uploads, AConfirmedTransferNeedsNoPromisedHashAlsoAfterARestart) {
+  const TemporaryFolder folder;
+  const std::string bytes = random_bytes(3 * Uploads::kChunkBytes + 9, 5);
+  const UploadRequest request{"ada", sha256_hex("a stand-in"), bytes.size()};
+  {
+    auto uploads = MUST(Uploads::open(folder.path()));
+    const auto state = MUST(uploads->open_transfer(request));
+    for (std::uint64_t i = 0; i < 3; ++i)
+      MUST(uploads->write_chunk(state.transfer, i, chunk(bytes, i)));
+    EXPECT_EQ(uploads->confirm(state.transfer, checksums_of(bytes)).error().kind,
+              ErrorKind::refused);  // one is missing
+    MUST(uploads->write_chunk(state.transfer, 3, chunk(bytes, 3)));
+    ASSERT_TRUE(uploads->confirm(state.transfer, checksums_of(bytes)));
+  }
+  auto uploads = MUST(Uploads::open(folder.path()));
+  const auto state = MUST(uploads->open_transfer(request));
+  EXPECT_EQ(std::count(state.present.begin(), state.present.end(), true), 4);
+  ASSERT_TRUE(uploads->confirm(state.transfer, checksums_of(bytes)));
+  EXPECT_EQ(MUST(uploads->finish(state.transfer)).request.sha256, sha256_hex(bytes));
+}
+
+TEST(Uploads, ChunksOfAnotherFileAreNotConfirmed) {
+  const TemporaryFolder folder;
+  auto uploads = MUST(Uploads::open(folder.path()));
+  const std::string bytes = random_bytes(2 * Uploads::kChunkBytes, 6);
+  const std::string other = bytes.substr(0, Uploads::kChunkBytes) + random_bytes(1u << 20, 7);
+  const auto state = MUST(uploads->open_transfer({"ada", sha256_hex("x"), bytes.size()}));
+  MUST(uploads->write_chunk(state.transfer, 0, chunk(other, 0)));
+  MUST(uploads->write_chunk(state.transfer, 1, chunk(other, 1)));
+  const auto refused = uploads->confirm(state.transfer, checksums_of(bytes));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::bad_input);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(Uploads, AByteThatChangedOnTheDiskIsFoundBeforeTheFileGetsItsName) {
+  const TemporaryFolder folder;
+  auto uploads = MUST(Uploads::open(folder.path()));
+  const std::string bytes = random_bytes(2 * Uploads::kChunkBytes + 100, 8);
+  const auto state = MUST(uploads->open_transfer({"ada", sha256_hex("x"), bytes.size()}));
+  for (std::uint64_t i = 0; i < 3; ++i)
+    MUST(uploads->write_chunk(state.transfer, i, chunk(bytes, i)));
+  ASSERT_TRUE(uploads->confirm(state.transfer, checksums_of(bytes)));
+  const auto file = MUST(uploads->seal(state.transfer));
+  {
+    std::fstream damaged(file, std::ios::in | std::ios::out | std::ios::binary);
+    damaged.seekp(Uploads::kChunkBytes + 300'000);
+    damaged.put(static_cast<char>(bytes[Uploads::kChunkBytes + 300'000] ^ 1));
+  }
+  const auto refused = uploads->finish(state.transfer);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("chunk 1 is not on the disk as it was received"),
+            std::string::npos)
+      << refused.error().message;
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
 TEST(Uploads, DamagedAndOldTransfersAreDropped) {
   const TemporaryFolder folder;
   {
@@ -119,7 +186,7 @@ TEST(Uploads, DamagedAndOldTransfersAreDropped) {
   for (const auto& entry : fs::directory_iterator(folder.path())) found.push_back(entry.path());
   ASSERT_EQ(found.size(), 3u);
   fs::resize_file(found[0] / "data", 5);
-  fs::last_write_time(found[1] / "bitmap",
+  fs::last_write_time(found[1] / "chunks",
                       fs::file_time_type::clock::now() - std::chrono::hours(24 * 8));
   MUST(Uploads::open(folder.path()));
   EXPECT_FALSE(fs::exists(found[0]));

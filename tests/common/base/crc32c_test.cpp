@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/wire/crc32c.h"
+#include "common/base/crc32c.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace tenter::wire {
+namespace tenter {
 namespace {
 
 TEST(Crc32c, PublishedValues) {
@@ -20,11 +20,22 @@ TEST(Crc32c, PublishedValues) {
 
 TEST(Crc32c, InstructionAndTableAgree) {
   std::mt19937 random(7);
-  std::string bytes(5000, '\0');
+  std::string bytes(80000, '\0');
   for (char& c : bytes) c = static_cast<char>(random());
   for (std::size_t begin = 0; begin < 9; ++begin)
-    for (std::size_t size : {0u, 1u, 7u, 8u, 9u, 63u, 64u, 1000u, 4991u})
+    for (std::size_t size : {0u, 1u, 7u, 8u, 9u, 63u, 64u, 4991u, 24575u, 24576u, 24577u, 79991u})
       EXPECT_EQ(crc32c(bytes.data() + begin, size), crc32c_table(bytes.data() + begin, size));
+}
+
+TEST(Crc32c, PiecesGoOnWhereTheLastOneEnded) {
+  const std::string bytes(60000, 'b');
+  const auto whole = crc32c(bytes.data(), bytes.size());
+  for (std::size_t cut : {1u, 8u, 30000u, 59999u}) {
+    const auto front = crc32c(bytes.data(), cut);
+    EXPECT_NE(front, whole);
+    EXPECT_EQ(crc32c(bytes.data() + cut, bytes.size() - cut, front), whole);
+    EXPECT_EQ(crc32c_table(bytes.data() + cut, bytes.size() - cut, front), whole);
+  }
 }
 
 TEST(Crc32c, OneFlippedBitChangesIt) {
@@ -38,4 +49,4 @@ TEST(Crc32c, OneFlippedBitChangesIt) {
 }
 
 }  // namespace
-}  // namespace tenter::wire
+}  // namespace tenter

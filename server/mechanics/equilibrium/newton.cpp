@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kSufficientDecrease = 1e-4;  // Armijo
 constexpr double kEnergyRounding = 1e-14;     // of the energy: differences below are rounding
+constexpr double kNearRounding = 1e3;         // slopes of so many times that may be rounding too
 constexpr double kForceDecrease = 0.5;        // of one step, where the energy is down to rounding
 // How much of the negative stiffness is left out: less after every whole step, more where the step
 // had to be shortened or the matrix was indefinite. Found by a search over ten cases of hanging
@@ -42,7 +43,7 @@ class Newton {
       if (work_.current.net_force_N <= options_.tolerance_N) return end(MinimiseEnd::converged);
       if (result_.iterations == options_.max_iterations) return end(MinimiseEnd::out_of_steps);
       ++result_.iterations;
-      if (!find_step()) return end(MinimiseEnd::out_of_memory);
+      if (const auto stop = find_step()) return end(*stop);
       if (const auto stop = take_step()) return end(*stop);
       if ((state_.x - start_).lpNorm<Eigen::Infinity>() > kAway * extent_)
         return end(MinimiseEnd::runs_away);
@@ -68,19 +69,22 @@ class Newton {
     return factor_.factorize(values.data());
   }
 
-  /// Factor and step for the current state; false when out of memory.
-  bool find_step() {
+  /// Factor and step for the current state. A value says why to stop.
+  std::optional<MinimiseEnd> find_step() {
     FactorStatus status = factorize(work_.current.stiffness);
     while (status == FactorStatus::not_positive_definite && share_ < 1.0) {
       share_ = std::clamp(kShareGrowth * share_, kShareIfIndefinite, 1.0);
-      if (!evaluate(state_, share_, work_.current)) return false;
+      if (!evaluate(state_, share_, work_.current)) return MinimiseEnd::no_descent;
       status = factorize(work_.current.stiffness);
     }
-    if (status != FactorStatus::ok) status = factorize_shifted();
-    if (status != FactorStatus::ok) return false;
+    if (status == FactorStatus::not_positive_definite) status = factorize_shifted();
+    if (status == FactorStatus::out_of_memory) return MinimiseEnd::out_of_memory;
+    if (status != FactorStatus::ok) return MinimiseEnd::no_descent;
     result_.has_exact_factor = share_ == 0.0;
-    solve();
-    return true;
+    work_.step.resize(potential_.unknowns.count());
+    factor_.solve(work_.current.by_unknown.data(), work_.step.data(), 1);
+    work_.step = -work_.step;
+    return std::nullopt;
   }
 
   /// The positive part may be singular (a free mesh, a slack spring): a small multiple of the
@@ -105,12 +109,7 @@ class Newton {
     return static_cast<std::size_t>(pattern.column_start[static_cast<std::size_t>(j)]);
   }
 
-  void solve() {
-    work_.step.resize(potential_.unknowns.count());
-    factor_.solve(work_.current.by_unknown.data(), work_.step.data(), 1);
-    work_.step = -work_.step;
-  }
-
+  /// Line search; the accepted point becomes the current one. A value says why to stop.
   std::optional<MinimiseEnd> take_step() {
     const double slope = work_.current.by_unknown.dot(work_.step);
     const double longest = potential_.unknowns.longest_move_m(work_.step);
@@ -120,27 +119,44 @@ class Newton {
     potential_.unknowns.move(state_, work_.step, first, work_.trial_state);
     // forces and stiffness at once: most first trials are taken
     const bool is_finite = evaluate(work_.trial_state, share_, work_.trial);
-    if (!(is_finite && is_better(work_.trial, first * slope))) {
-      if (-slope <= energy_noise_J()) {
-        if (work_.current.positive_share == 0.0 || has_tried_exact_)
-          return MinimiseEnd::at_rounding;
-        has_tried_exact_ = true;  // a poor direction may look like rounding
-        share_ = 0.0;
-        if (!evaluate(state_, share_, work_.current)) return MinimiseEnd::no_descent;
-        return std::nullopt;
-      }
-      const auto fraction = search(first, slope, is_finite);
-      if (!fraction) return MinimiseEnd::no_descent;
-      share_ = *fraction < kShortStep * first ? std::clamp(kShareGrowth * share, kShareIfShort, 1.0)
-                                              : share;
-      potential_.unknowns.move(state_, work_.step, *fraction, work_.trial_state);
-      if (!evaluate(work_.trial_state, share_, work_.trial)) return MinimiseEnd::no_descent;
-    } else {
+    if (is_finite && is_better(work_.trial, first * slope)) {
       short_steps_ = 0;
+      accept();
+      return std::nullopt;
     }
+    if (-slope <= energy_noise_J()) return look_again(share);
+    const auto fraction = search(first, slope, is_finite);
+    if (!fraction)
+      return -slope <= kNearRounding * energy_noise_J() ? look_again(share)
+                                                        : MinimiseEnd::no_descent;
+    share_ = share_after(*fraction / first, share);
+    potential_.unknowns.move(state_, work_.step, *fraction, work_.trial_state);
+    if (!evaluate(work_.trial_state, share_, work_.trial)) return MinimiseEnd::no_descent;
+    accept();
+    return std::nullopt;
+  }
+
+  void accept() {
     std::swap(state_, work_.trial_state);
     std::swap(work_.current, work_.trial);
+  }
+
+  /// A poor direction may look like rounding: once, the exact stiffness has the last word.
+  std::optional<MinimiseEnd> look_again(double share) {
+    if (share == 0.0 || has_looked_again_) return MinimiseEnd::at_rounding;
+    has_looked_again_ = true;
+    share_ = 0.0;
+    if (!evaluate(state_, share_, work_.current)) return MinimiseEnd::no_descent;
     return std::nullopt;
+  }
+
+  /// The share after a step that had to be shortened to `part` of the first trial.
+  double share_after(double part, double share) {
+    if (part >= kShortStep) return share;
+    if (++short_steps_ < kMostShortSteps)
+      return std::clamp(kShareGrowth * share, kShareIfShort, 1.0);
+    short_steps_ = 0;  // it is no help: what it leaves out may be what is missing
+    return 0.0;
   }
 
   bool is_better(const PotentialValue& trial, double predicted_J) const {
@@ -157,7 +173,7 @@ class Newton {
   std::optional<double> search(double fraction, double slope, bool is_finite) {
     constexpr double kSmallest = 1e-12;
     double energy = is_finite ? work_.trial.energy_J : std::numeric_limits<double>::infinity();
-    while (fraction > kSmallest) {
+    while (fraction > kSmallest && -fraction * slope > energy_noise_J()) {
       const double rise = energy - work_.current.energy_J - fraction * slope;
       const double best = -0.5 * slope * fraction * fraction / rise;
       fraction =
@@ -181,7 +197,7 @@ class Newton {
   double extent_ = 0.0;
   double max_move_ = 0.0;
   int short_steps_ = 0;
-  bool has_tried_exact_ = false;
+  bool has_looked_again_ = false;
   double share_ = 1.0;  ///< positive share of the stiffness, see ModelOutput
 };
 

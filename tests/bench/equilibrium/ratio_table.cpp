@@ -20,6 +20,14 @@ double counter(const std::map<std::string, double>& counters, const char* name) 
   return found == counters.end() ? std::nan("") : found->second;
 }
 
+/// "-" where there is none.
+std::string number(const char* format, double value) {
+  if (std::isnan(value)) return "-";
+  char text[32];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
 }  // namespace
 
 bool RatioTable::ReportContext(const Context& context) {
@@ -70,10 +78,13 @@ void RatioTable::Finalize() {
       if (entry.name.starts_with("floor")) floor = std::min(floor, median(entry.milliseconds));
     for (const Row& entry : rows) {
       const double time = median(entry.milliseconds), mflop = counter(entry.counters, "Mflop");
-      std::printf("%-24s %-28s %10.3f %7.2f %6.0f %9.2f %9.1f %8.1f %7.1f %9.1e\n", name.c_str(),
-                  entry.name.c_str(), time, time / floor, counter(entry.counters, "iterations"),
-                  time / floor / counter(entry.counters, "iterations"), mflop, mflop / time,
-                  counter(entry.counters, "MB"), counter(entry.counters, "check"));
+      const double steps = counter(entry.counters, "iterations");
+      std::printf("%-24s %-28s %10.3f %7.2f %6s %9s %9s %8s %7s %9s\n", name.c_str(),
+                  entry.name.c_str(), time, time / floor, number("%.0f", steps).c_str(),
+                  number("%.2f", time / floor / steps).c_str(), number("%.1f", mflop).c_str(),
+                  number("%.1f", mflop / time).c_str(),
+                  number("%.1f", counter(entry.counters, "MB")).c_str(),
+                  number("%.1e", counter(entry.counters, "check")).c_str());
     }
   }
   for (const std::string& failure : failures_) std::printf("FAILED %s\n", failure.c_str());

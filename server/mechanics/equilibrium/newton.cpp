@@ -11,7 +11,6 @@ namespace tenter::mechanics {
 namespace {
 
 constexpr double kSufficientDecrease = 1e-4;  // Armijo
-constexpr double kEnergyRounding = 1e-14;     // of the energy: differences below are rounding
 constexpr double kForceDecrease = 0.5;        // of one step, where the energy is down to rounding
 // How much of the negative stiffness is left out: less after every whole step, more where the step
 // had to be shortened or the matrix was indefinite. Found by a search over ten cases of hanging
@@ -22,7 +21,6 @@ constexpr double kShareIfShort = 0.2;
 constexpr double kShareIfIndefinite = 0.25;
 constexpr double kShareOfExact = 0.02;  // below it, none
 constexpr double kShortStep = 0.4;      // of the first trial
-constexpr int kMostShortSteps = 6;      // one after the other
 constexpr double kAway = 100.0;         // extents: farther than this a mesh is not held
 
 class Newton {
@@ -60,8 +58,6 @@ class Newton {
     result_.net_force_N = work_.current.net_force_N;
     return result_;
   }
-
-  double energy_noise_J() const { return kEnergyRounding * std::abs(work_.current.energy_J); }
 
   FactorStatus factorize(const std::vector<double>& values) {
     ++result_.factorisations;
@@ -121,7 +117,7 @@ class Newton {
     // forces and stiffness at once: most first trials are taken
     const bool is_finite = evaluate(work_.trial_state, share_, work_.trial);
     if (!(is_finite && is_better(work_.trial, first * slope))) {
-      if (-slope <= energy_noise_J()) {
+      if (drowns(slope)) {
         if (work_.current.positive_share == 0.0 || has_tried_exact_)
           return MinimiseEnd::at_rounding;
         has_tried_exact_ = true;  // a poor direction may look like rounding
@@ -135,22 +131,26 @@ class Newton {
                                               : share;
       potential_.unknowns.move(state_, work_.step, *fraction, work_.trial_state);
       if (!evaluate(work_.trial_state, share_, work_.trial)) return MinimiseEnd::no_descent;
-    } else {
-      short_steps_ = 0;
     }
     std::swap(state_, work_.trial_state);
     std::swap(work_.current, work_.trial);
     return std::nullopt;
   }
 
+  /// Whether a step with this slope can change nothing but rounding.
+  bool drowns(double slope) const {
+    return -slope <= energy_noise_J(work_.current) ||
+           work_.current.net_force_N <=
+               force_noise_N(potential_.unknowns.pattern(), work_.current, state_.x);
+  }
+
   bool is_better(const PotentialValue& trial, double predicted_J) const {
-    const double change = trial.energy_J - work_.current.energy_J;
-    // where energies are rounding only forces count, and only if they fall for good
-    if (-predicted_J <= energy_noise_J())
-      return change <= energy_noise_J() &&
-             trial.net_force_N < kForceDecrease * work_.current.net_force_N;
-    if (change <= kSufficientDecrease * predicted_J) return true;
-    return std::abs(change) <= energy_noise_J() && trial.net_force_N < work_.current.net_force_N;
+    const double noise_J = energy_noise_J(work_.current);
+    const double change_J = trial.energy_J - work_.current.energy_J;
+    if (-predicted_J > noise_J && change_J <= kSufficientDecrease * predicted_J) return true;
+    // energies tell nothing any more, forces do a little longer
+    return std::abs(change_J) <= noise_J &&
+           trial.net_force_N <= kForceDecrease * work_.current.net_force_N;
   }
 
   /// Smaller fractions by safeguarded quadratic interpolation.
@@ -180,7 +180,6 @@ class Newton {
   Eigen::VectorXd start_;
   double extent_ = 0.0;
   double max_move_ = 0.0;
-  int short_steps_ = 0;
   bool has_tried_exact_ = false;
   double share_ = 1.0;  ///< positive share of the stiffness, see ModelOutput
 };

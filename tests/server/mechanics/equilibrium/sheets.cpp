@@ -55,6 +55,11 @@ Sheet::Sheet(Cloth of, const model::Model& description)
       model(MeshModel::make(description, cloth).value()),
       parameters(values_of(description)) {}
 
+Body::Body(SolidMesh of, const model::Model& description)
+    : mesh(std::move(of)),
+      model(MeshModel::make(description, mesh).value()),
+      parameters(values_of(description)) {}
+
 Eigen::VectorXd flat(const SurfaceMesh& mesh) {
   return placed(mesh, [](double u, double v) { return Eigen::Vector3d(u, v, 0.0); });
 }
@@ -73,15 +78,16 @@ Loads weight(const SurfaceMesh& mesh, double area_density_kg_m2) {
   return loads;
 }
 
-EquilibriumResult solved(const Sheet& sheet, const Boundary& boundary, const Loads& loads,
-                         State& state, const EquilibriumOptions& options,
+EquilibriumResult solved(const MeshModel& model, const Eigen::VectorXd& parameters,
+                         const Boundary& boundary, const Loads& loads, State& state,
+                         const EquilibriumOptions& options,
                          const std::vector<Obstacle>& obstacles) {
-  auto solver = EquilibriumSolver::make(sheet.model, boundary, obstacles);
+  auto solver = EquilibriumSolver::make(model, boundary, obstacles);
   if (!solver) {
     ADD_FAILURE() << solver.error().message;
     return {};
   }
-  auto result = solver->solve(sheet.parameters, loads, state, options);
+  auto result = solver->solve(parameters, loads, state, options);
   if (!result) {
     ADD_FAILURE() << result.error().message;
     return {};

@@ -34,6 +34,17 @@ struct Sheet {
   int nodes() const { return cloth.mesh.node_count(); }
 };
 
+/// The same for a solid.
+struct Body {
+  Body(SolidMesh of, const model::Model& description);
+  Body(const Body&) = delete;
+  Body& operator=(const Body&) = delete;
+
+  SolidMesh mesh;
+  MeshModel model;
+  Eigen::VectorXd parameters;
+};
+
 /// Every node at (u, v, 0).
 Eigen::VectorXd flat(const SurfaceMesh& mesh);
 /// Every coordinate moved by up to `by`.
@@ -60,9 +71,15 @@ std::vector<int> nodes_where(const SurfaceMesh& mesh, const Predicate& predicate
 Loads weight(const SurfaceMesh& mesh, double area_density_kg_m2);
 
 /// Solves from `state` with a new solver; what is passed must fit. The state is the result.
-EquilibriumResult solved(const Sheet& sheet, const Boundary& boundary, const Loads& loads,
-                         State& state, const EquilibriumOptions& options = {},
+EquilibriumResult solved(const MeshModel& model, const Eigen::VectorXd& parameters,
+                         const Boundary& boundary, const Loads& loads, State& state,
+                         const EquilibriumOptions& options = {},
                          const std::vector<Obstacle>& obstacles = {});
+inline EquilibriumResult solved(const Sheet& sheet, const Boundary& boundary, const Loads& loads,
+                                State& state, const EquilibriumOptions& options = {},
+                                const std::vector<Obstacle>& obstacles = {}) {
+  return solved(sheet.model, sheet.parameters, boundary, loads, state, options, obstacles);
+}
 
 /// log2 of the ratio of the errors of two meshes, the second twice as fine.
 double order(double coarse_error, double fine_error);

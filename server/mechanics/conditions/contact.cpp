@@ -68,9 +68,10 @@ void Contact::add(const Eigen::VectorXd& x, const LoadOutput& output, double pos
       const double lambda = force_N_[k++];
       const Gap g = gap(obstacle, x.segment<3>(3 * node));
       const double force = lambda - penalty_N_m_ * g.value_m;
-      if (output.energy)
-        *output.energy +=
-            (std::max(0.0, force) * std::max(0.0, force) - lambda * lambda) / (2.0 * penalty_N_m_);
+      const double energy =
+          (std::max(0.0, force) * std::max(0.0, force) - lambda * lambda) / (2.0 * penalty_N_m_);
+      if (output.energy) *output.energy += energy;
+      if (output.energy_size) *output.energy_size += std::abs(energy);
       if (force <= 0.0) continue;
       if (output.gradient)
         Eigen::Map<Eigen::Vector3d>(output.gradient + 3 * node) -= force * g.normal;
@@ -107,15 +108,21 @@ std::vector<Contact::Touch> Contact::touches(const Eigen::VectorXd& x) const {
   return result;
 }
 
-void Contact::update_forces(const Eigen::VectorXd& x) {
+Eigen::VectorXd Contact::acting_forces_N(const Eigen::VectorXd& x) const {
+  Eigen::VectorXd acting = force_N_;
   Eigen::Index k = 0;
   for (const Obstacle& obstacle : obstacles_) {
     for (const int node : nodes_) {
-      const double g = gap(obstacle, x.segment<3>(3 * node)).value_m;
-      force_N_[k] = std::max(0.0, force_N_[k] - penalty_N_m_ * g);
+      const double g = gap(obstacle, x.segment<3>(3 * static_cast<Eigen::Index>(node))).value_m;
+      acting[k] = std::max(0.0, force_N_[k] - penalty_N_m_ * g);
       ++k;
     }
   }
+  return acting;
+}
+
+void Contact::update_forces(const Eigen::VectorXd& x) {
+  force_N_ = acting_forces_N(x);
 }
 
 }  // namespace tenter::mechanics

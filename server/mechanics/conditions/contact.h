@@ -11,7 +11,7 @@
 //   contact.add(x, output);                     // in the minimisation
 //   contact.update_forces(x);                   // after it
 //
-// A value; const members are callable from any thread; no allocation after construction.
+// A value; const members are callable from any thread; adding allocates nothing.
 #pragma once
 
 #include <Eigen/Core>
@@ -62,6 +62,8 @@ class Contact {
   /// the conditions of contact are met.
   double violation_m(const Eigen::VectorXd& x) const;
   void update_forces(const Eigen::VectorXd& x);
+  /// What the obstacles press with at x, in the order of force_N: max(0, lambda - mu g).
+  Eigen::VectorXd acting_forces_N(const Eigen::VectorXd& x) const;
   /// Nodes that are pressed at x, with the direction in which they cannot give way.
   struct Touch {
     int node = 0;

@@ -23,7 +23,9 @@ void add_pressure(double pressure_Pa, const Boundary& boundary, const Eigen::Vec
     Eigen::Vector3d p[3];
     for (int c = 0; c < 3; ++c) p[c] = x.segment<3>(3 * corners[static_cast<std::size_t>(c)]);
     const double part = -pressure_Pa / 6.0;
-    if (output.energy) *output.energy += part * p[0].dot(p[1].cross(p[2]));
+    const double energy = part * p[0].dot(p[1].cross(p[2]));
+    if (output.energy) *output.energy += energy;
+    if (output.energy_size) *output.energy_size += std::abs(energy);
     for (int c = 0; c < 3; ++c) {
       const int next = (c + 1) % 3;
       const int last = (c + 2) % 3;
@@ -68,11 +70,14 @@ void add_loads(const Loads& loads, const Boundary& boundary, const Eigen::Vector
                const LoadOutput& output) {
   for (Eigen::Index i = 0; i < loads.node_mass_kg.size(); ++i) {
     const Eigen::Vector3d weight = loads.node_mass_kg[i] * loads.gravity_m_s2;
-    if (output.energy) *output.energy -= weight.dot(x.segment<3>(3 * i));
+    const double energy = -weight.dot(x.segment<3>(3 * i));
+    if (output.energy) *output.energy += energy;
+    if (output.energy_size) *output.energy_size += std::abs(energy);
     if (output.gradient) Eigen::Map<Eigen::Vector3d>(output.gradient + 3 * i) -= weight;
   }
   if (loads.node_force_N.size() > 0) {
     if (output.energy) *output.energy -= loads.node_force_N.dot(x);
+    if (output.energy_size) *output.energy_size += loads.node_force_N.cwiseProduct(x).lpNorm<1>();
     if (output.gradient)
       Eigen::Map<Eigen::VectorXd>(output.gradient, x.size()) -= loads.node_force_N;
   }

@@ -30,11 +30,12 @@ struct Loads {
 /// bad_input where a list has the wrong length or holds what is no number; masses are not negative.
 Expected<void> check(const Loads& loads, const Boundary& boundary, int node_count);
 
-/// What loads add to: energy (J), gradient over all nodes (N) and, where not null, stiffness.
+/// What loads add to, where not null: energy (J), gradient over all nodes (N), stiffness.
 struct LoadOutput {
   double* energy = nullptr;
   double* gradient = nullptr;
   NodeMatrix* stiffness = nullptr;
+  double* energy_size = nullptr;  ///< magnitudes of what the energy is summed from, J
 };
 
 /// Adds V and its derivatives by the nodes; clips see below. A pressure needs the edges of its

@@ -39,12 +39,17 @@ bool Potential::evaluate(const State& state, const ModelOutput& wanted,
   value.has_stiffness = wanted.stiffness != nullptr;
   value.positive_share = wanted.positive_share;
   if (model.evaluate(state.x, parameters, wanted, limits) != AssemblyStatus::ok) return false;
-  const LoadOutput output{&value.energy_J, value.by_node.data(), wanted.stiffness};
+  value.energy_size_J = std::abs(value.energy_J);
+  const LoadOutput output{&value.energy_J, value.by_node.data(), wanted.stiffness,
+                          &value.energy_size_J};
   add_loads(loads, boundary, state.x, output);
   contact.add(state.x, output, wanted.positive_share);
-  for (std::size_t c = 0; c < boundary.clips.size(); ++c)
-    if (boundary.clips[c].is_free)
-      value.energy_J += clip_potential_J(loads, boundary, static_cast<int>(c), state.clips[c]);
+  for (std::size_t c = 0; c < boundary.clips.size(); ++c) {
+    if (!boundary.clips[c].is_free) continue;
+    const double energy = clip_potential_J(loads, boundary, static_cast<int>(c), state.clips[c]);
+    value.energy_J += energy;
+    value.energy_size_J += std::abs(energy);
+  }
   unknowns.reduce_gradient(loads, state, value.by_node, value.by_unknown);
   value.net_force_N = unknowns.net_force_N(value.by_unknown);
   return std::isfinite(value.energy_J) && std::isfinite(value.net_force_N);
@@ -56,7 +61,7 @@ double Potential::energy_J(const State& state) const {
   wanted.energy = &energy;
   if (model.evaluate(state.x, parameters, wanted, limits) != AssemblyStatus::ok)
     return std::numeric_limits<double>::infinity();
-  const LoadOutput output{&energy, nullptr, nullptr};
+  const LoadOutput output{&energy, nullptr, nullptr, nullptr};
   add_loads(loads, boundary, state.x, output);
   contact.add(state.x, output, 0.0);
   for (std::size_t c = 0; c < boundary.clips.size(); ++c)

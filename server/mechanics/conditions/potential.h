@@ -23,6 +23,7 @@ namespace tenter::mechanics {
 
 struct PotentialValue {
   double energy_J = 0.0;
+  double energy_size_J = 0.0;  ///< magnitudes of its addends: what its rounding is a part of
   Eigen::VectorXd by_node;     ///< dPi/dx over all nodes, N
   Eigen::VectorXd by_unknown;  ///< the same over the unknowns
   double net_force_N = 0.0;    ///< 2-norm over what is free

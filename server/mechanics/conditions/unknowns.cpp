@@ -213,7 +213,7 @@ void Unknowns::expand(const State& state, const Eigen::VectorXd& by_unknown,
 
 void Unknowns::move(const State& state, const Eigen::VectorXd& step, double fraction,
                     State& moved) const {
-  moved.x = state.x;
+  moved = state;
   for (std::size_t k = 0; k < free_nodes_.size(); ++k)
     moved.x.segment<3>(3 * free_nodes_[k]) +=
         fraction * step.segment<3>(3 * static_cast<Eigen::Index>(k));

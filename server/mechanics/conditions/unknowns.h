@@ -55,7 +55,8 @@ class Unknowns {
   void expand(const State& state, const Eigen::VectorXd& by_unknown,
               Eigen::VectorXd& by_node) const;
 
-  /// moved = state after `fraction` of `step`; sizes of `moved` are those of `state` already.
+  /// moved = state after `fraction` of `step`; another object than `state`. Allocates where `moved`
+  /// has other sizes.
   void move(const State& state, const Eigen::VectorXd& step, double fraction, State& moved) const;
 
   /// 2-norm of the net force; torques count as forces at the distance of the clip's nodes.

@@ -53,13 +53,15 @@ MinimiseResult minimise_by_additive_lm(const Potential& potential, SparseFactor&
       if (potential.unknowns.longest_move_m(work.step) <= max_move) {
         potential.unknowns.move(state, work.step, 1.0, work.trial_state);
         ++result.evaluations;
-        const double noise = 1e-14 * std::abs(work.current.energy_J);
+        const double noise = energy_noise_J(work.current);
         const double change = potential.evaluate_with_stiffness(work.trial_state, 0.0, work.trial)
                                   ? work.trial.energy_J - work.current.energy_J
                                   : 1.0;
-        is_accepted = change < 0.0 || (std::abs(change) <= noise &&
-                                       work.trial.net_force_N < work.current.net_force_N);
-        if (!is_accepted && -slope <= noise) return end(MinimiseEnd::at_rounding);
+        is_accepted = change < -noise || (std::abs(change) <= noise &&
+                                          work.trial.net_force_N < work.current.net_force_N);
+        if (!is_accepted && (-slope <= noise || work.current.net_force_N <=
+                                                    force_noise_N(pattern, work.current, state.x)))
+          return end(MinimiseEnd::at_rounding);
       }
     }
     if (is_accepted) {

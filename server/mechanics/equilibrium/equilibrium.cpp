@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/mechanics/equilibrium/equilibrium.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -27,6 +28,34 @@ double mean_diagonal(const SymmetricPattern& pattern, const std::vector<double>&
   for (int j = 0; j < pattern.size; ++j)
     sum += values[static_cast<std::size_t>(pattern.column_start[static_cast<std::size_t>(j)])];
   return sum / pattern.size;
+}
+
+bool is_rotation(const Eigen::Matrix3d& r) {
+  constexpr double kOff = 1e-6;  // a file's digits are enough; a scale or a mirror is not let by
+  return r.allFinite() && (r.transpose() * r).isIdentity(kOff) && r.determinant() > 0.0;
+}
+
+Expected<void> check_options(const EquilibriumOptions& options) {
+  struct Row {
+    const char* name;
+    double value;
+    bool is_good;
+    const char* wanted;
+  };
+  const Row rows[] = {
+      {"tolerance_N", options.tolerance_N, options.tolerance_N >= 0.0, "not negative"},
+      {"max_iterations", static_cast<double>(options.max_iterations), options.max_iterations >= 0,
+       "not negative"},
+      {"max_move_m", options.max_move_m, options.max_move_m >= 0.0, "not negative"},
+      {"contact_depth_m", options.contact_depth_m, options.contact_depth_m > 0.0, "positive"},
+      {"limit_tolerance", options.limit_tolerance, options.limit_tolerance > 0.0, "positive"},
+      {"contact_penalty_N_m", options.contact_penalty_N_m, options.contact_penalty_N_m >= 0.0,
+       "not negative"}};
+  for (const Row& row : rows)
+    if (!row.is_good || !std::isfinite(row.value))
+      return bad_input(std::string("option ") + row.name + " is " + std::to_string(row.value) +
+                       " and must be " + row.wanted + " and finite");
+  return {};
 }
 
 }  // namespace
@@ -77,6 +106,10 @@ Expected<void> EquilibriumSolver::check_input(const Eigen::VectorXd& parameters,
   if (state.clips.size() != boundary_.clips.size())
     return bad_input("there are " + std::to_string(boundary_.clips.size()) +
                      " clips, poses are given for " + std::to_string(state.clips.size()));
+  for (std::size_t c = 0; c < state.clips.size(); ++c)
+    if (!is_rotation(state.clips[c].rotation) || !state.clips[c].position_m.allFinite())
+      return bad_input("the pose of clip \"" + boundary_.clips[c].id +
+                       "\" is no rotation and position");
   return mechanics::check(loads, boundary_, model_->node_count());
 }
 
@@ -84,6 +117,7 @@ Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& para
                                                      const Loads& loads, State& state,
                                                      const EquilibriumOptions& options) {
   if (auto ok = check_input(parameters, loads, state); !ok) return tl::unexpected(ok.error());
+  if (auto ok = check_options(options); !ok) return tl::unexpected(ok.error());
   place_clips(boundary_, state);
   const bool has_constraints = !obstacles_.empty() || model_->limited_count() > 0;
   const Potential potential(*model_, parameters, boundary_, *unknowns_, loads, contact_,
@@ -114,9 +148,13 @@ Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& para
     press_harder(options, parameters, state, before, result);
   }
   result.limit_multiplier = limits_.multiplier;
-  result.contact_force_N = contact_.force_N();
-  result.energy_J = work_.current.energy_J;
-  result.by_node = work_.current.by_node;
+  if (state.x.allFinite()) result.contact_force_N = contact_.acting_forces_N(state.x);
+  if (result.last.end == MinimiseEnd::start_not_finite) {
+    result.energy_J = result.last.net_force_N = std::numeric_limits<double>::infinity();
+  } else {
+    result.energy_J = work_.current.energy_J;
+    result.by_node = work_.current.by_node;
+  }
   can_predict_ = has_factor_ || (!options.check_minimum && result.last.has_exact_factor);
   solved_ = state;
   return result;
@@ -226,6 +264,27 @@ void EquilibriumSolver::predict(const Potential& potential, State& state) {
   unknowns_->move(work_.trial_state, work_.step, 1.0, state);
 }
 
+/// Whether some motion is so soft that its stiffness is rounding, or made by the net force that is
+/// left (turning a body by its extent turns that force too). A singular matrix may pass as positive
+/// definite; one solve shows it, from a fixed start with a part in every direction.
+bool EquilibriumSolver::has_soft_motion(const State& state) {
+  const SymmetricPattern& pattern = unknowns_->pattern();
+  double largest = 0.0;
+  for (int j = 0; j < pattern.size; ++j) {
+    const auto first = static_cast<std::size_t>(pattern.column_start[static_cast<std::size_t>(j)]);
+    largest = std::max(largest, work_.current.stiffness[first]);
+  }
+  Eigen::VectorXd& motion = work_.step;
+  spread_start(pattern.size, motion);
+  factor_->solve(motion.data(), motion.data(), 1);
+  constexpr double kRounding = 1e-14;
+  constexpr double kOfNetForce = 4.0;  // bodies are turned about a point within them
+  const double soft_N_m =
+      std::max(kRounding * largest, kOfNetForce * work_.current.net_force_N / extent_m(state.x));
+  // what the start has of any one direction is about 1 / sqrt(size)
+  return !(motion.norm() * std::sqrt(static_cast<double>(pattern.size)) * soft_N_m < 1.0);
+}
+
 /// Factorises the exact stiffness at `state`, which belongs to work_.current.
 Stability EquilibriumSolver::check(const Potential& potential, const State& state,
                                    EquilibriumResult& result) {
@@ -235,8 +294,8 @@ Stability EquilibriumSolver::check(const Potential& potential, const State& stat
   }
   ++result.factorisations;
   if (factor_->factorize(work_.current.stiffness.data()) == FactorStatus::ok) {
-    has_factor_ = true;
-    return Stability::minimum;
+    has_factor_ = !has_soft_motion(state);
+    return has_factor_ ? Stability::minimum : Stability::neutral;
   }
   const LowestMode mode = lowest_mode(unknowns_->pattern(), work_.current.stiffness, *factor_);
   lowest_mode_ = mode.direction;

@@ -2,10 +2,10 @@
 // Static equilibrium of a mesh: the state of least potential energy under given boundary and loads.
 //
 //   auto solver = EquilibriumSolver::make(model, boundary);
-//   State state{x, poses};                                   // start; held nodes where they shall
-//   be auto result = solver->solve(parameters, loads, state);   // state: the equilibrium if
-//   (!result) ...                                         // what was passed does not fit together
-//   if (!result->is_minimum()) log(describe(*result));       // how it ended otherwise
+//   State state{x, poses};              // start, with held nodes and poses where they shall be
+//   auto result = solver->solve(parameters, loads, state, options);    // state: the equilibrium
+//   if (!result) ...                                       // what was passed does not fit together
+//   if (!result->is_good(options)) log(describe(*result, options));    // how it ended otherwise
 //
 // Frame after frame: move the held nodes and prescribed poses of the last result (or change the
 // parameters) and solve again with start_is_near. A solver that still has the factor of that result
@@ -42,7 +42,7 @@ struct EquilibriumOptions {
 
 enum class Stability {
   minimum,  ///< stiffness positive definite: stable
-  neutral,  ///< a motion costs no energy, to rounding
+  neutral,  ///< a motion costs no energy, to rounding or to the net force that is left
   saddle,   ///< a motion lowers the energy, and the state could not be left
   not_checked
 };
@@ -53,7 +53,7 @@ struct EquilibriumResult {
   int factorisations = 0;  ///< with those of the check
   int evaluations = 0;
   int saddles_left = 0;
-  double energy_J = 0.0;
+  double energy_J = 0.0;  ///< infinite, with no by_node, where the start had no energy
   Stability stability = Stability::not_checked;
   double contact_violation_m = 0.0;
   double limit_violation = 0.0;      ///< of energy limits, in parts of psi_max
@@ -80,7 +80,8 @@ class EquilibriumSolver {
   const Boundary& boundary() const { return boundary_; }
   const Unknowns& unknowns() const { return *unknowns_; }
 
-  /// bad_input where sizes do not fit or a number is none. `state`: start, and result.
+  /// bad_input where sizes do not fit, a number is none, a pose no rotation or an option out of its
+  /// range. `state`: start, and result.
   Expected<EquilibriumResult> solve(const Eigen::VectorXd& parameters, const Loads& loads,
                                     State& state, const EquilibriumOptions& options = {});
 
@@ -99,6 +100,7 @@ class EquilibriumSolver {
                           bool is_near, State& state);
   void predict(const Potential& potential, State& state);
   Stability check(const Potential& potential, const State& state, EquilibriumResult& result);
+  bool has_soft_motion(const State& state);
   bool leave_saddle(const Potential& potential, State& state);
   void start_constraints(const Potential& potential, const EquilibriumOptions& options,
                          const State& state);

@@ -5,6 +5,13 @@
 
 namespace tenter::mechanics {
 
+void spread_start(int size, Eigen::VectorXd& direction) {
+  direction.resize(size);
+  for (int j = 0; j < size; ++j)  // the golden ratio's multiples never repeat
+    direction[j] = std::fmod(0.618033988749895 * j, 1.0) - 0.5;
+  direction.normalize();
+}
+
 LowestMode lowest_mode(const SymmetricPattern& pattern, const std::vector<double>& values,
                        SparseFactor& factor) {
   LowestMode mode;
@@ -20,10 +27,7 @@ LowestMode lowest_mode(const SymmetricPattern& pattern, const std::vector<double
     for (int j = 0; j < pattern.size; ++j) shifted[diagonal(j)] += shift;
     if (factor.factorize(shifted.data()) == FactorStatus::ok) break;
   }
-  // a start with a part in every direction: the golden ratio's multiples never repeat
-  mode.direction.resize(pattern.size);
-  for (int j = 0; j < pattern.size; ++j)
-    mode.direction[j] = std::fmod(0.618033988749895 * j, 1.0) - 0.5;
+  spread_start(pattern.size, mode.direction);
   constexpr int kSteps = 30;
   for (int step = 0; step < kSteps; ++step) {
     mode.direction.normalize();

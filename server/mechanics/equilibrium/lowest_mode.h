@@ -22,4 +22,7 @@ struct LowestMode {
 LowestMode lowest_mode(const SymmetricPattern& pattern, const std::vector<double>& values,
                        SparseFactor& factor);
 
+/// A vector of length one with a part in every direction; the same one for the same size.
+void spread_start(int size, Eigen::VectorXd& direction);
+
 }  // namespace tenter::mechanics

@@ -3,8 +3,9 @@
 //
 //   MinimiseResult result = minimise_by_newton(potential, factor, options, state, workspace);
 //
-// Every way lowers the real energy or, once that drowns in rounding, the net force. `state` is the
-// best one found, whatever the end. Deterministic; one thread per workspace and factor.
+// Newton and additive LM lower the real energy or, once that drowns in rounding, the net force, so
+// `state` is the best one found, whatever the end; relaxation swings about the minimum.
+// Deterministic; one thread per workspace and factor.
 #pragma once
 
 #include <string>
@@ -57,6 +58,12 @@ struct MinimiseWorkspace {
 
 /// Largest distance of two corners of the box around all nodes (m).
 double extent_m(const Eigen::VectorXd& x);
+
+/// What rounding may change of an energy (J), and of the net force (N) where the stiffness is
+/// known: positions are rounded to a part of their size, and stiffness makes forces of that.
+double energy_noise_J(const PotentialValue& value);
+double force_noise_N(const SymmetricPattern& pattern, const PotentialValue& value,
+                     const Eigen::VectorXd& x);
 
 /// Newton's method with a line search on the energy. Far from a minimum a share of the elements'
 /// negative stiffness is left out, so that steps are neither uphill nor too long for what the

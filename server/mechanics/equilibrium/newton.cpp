@@ -11,7 +11,6 @@ namespace tenter::mechanics {
 namespace {
 
 constexpr double kSufficientDecrease = 1e-4;  // Armijo
-constexpr double kEnergyRounding = 1e-14;     // of the energy: differences below are rounding
 constexpr double kNearRounding = 1e3;         // slopes of so many times that may be rounding too
 constexpr double kForceDecrease = 0.5;        // of one step, where the energy is down to rounding
 // How much of the negative stiffness is left out: less after every whole step, more where the step
@@ -61,8 +60,6 @@ class Newton {
     result_.net_force_N = work_.current.net_force_N;
     return result_;
   }
-
-  double energy_noise_J() const { return kEnergyRounding * std::abs(work_.current.energy_J); }
 
   FactorStatus factorize(const std::vector<double>& values) {
     ++result_.factorisations;
@@ -124,11 +121,11 @@ class Newton {
       accept();
       return std::nullopt;
     }
-    if (-slope <= energy_noise_J()) return look_again(share);
+    if (drowns(slope)) return look_again(share);
     const auto fraction = search(first, slope, is_finite);
     if (!fraction)
-      return -slope <= kNearRounding * energy_noise_J() ? look_again(share)
-                                                        : MinimiseEnd::no_descent;
+      return -slope <= kNearRounding * energy_noise_J(work_.current) ? look_again(share)
+                                                                     : MinimiseEnd::no_descent;
     share_ = share_after(*fraction / first, share);
     potential_.unknowns.move(state_, work_.step, *fraction, work_.trial_state);
     if (!evaluate(work_.trial_state, share_, work_.trial)) return MinimiseEnd::no_descent;
@@ -159,21 +156,27 @@ class Newton {
     return 0.0;
   }
 
+  /// Whether a step with this slope can change nothing but rounding.
+  bool drowns(double slope) const {
+    return -slope <= energy_noise_J(work_.current) ||
+           work_.current.net_force_N <=
+               force_noise_N(potential_.unknowns.pattern(), work_.current, state_.x);
+  }
+
   bool is_better(const PotentialValue& trial, double predicted_J) const {
-    const double change = trial.energy_J - work_.current.energy_J;
-    // where energies are rounding only forces count, and only if they fall for good
-    if (-predicted_J <= energy_noise_J())
-      return change <= energy_noise_J() &&
-             trial.net_force_N < kForceDecrease * work_.current.net_force_N;
-    if (change <= kSufficientDecrease * predicted_J) return true;
-    return std::abs(change) <= energy_noise_J() && trial.net_force_N < work_.current.net_force_N;
+    const double noise_J = energy_noise_J(work_.current);
+    const double change_J = trial.energy_J - work_.current.energy_J;
+    if (-predicted_J > noise_J && change_J <= kSufficientDecrease * predicted_J) return true;
+    // energies tell nothing any more, forces do a little longer
+    return std::abs(change_J) <= noise_J &&
+           trial.net_force_N <= kForceDecrease * work_.current.net_force_N;
   }
 
   /// Smaller fractions by safeguarded quadratic interpolation.
   std::optional<double> search(double fraction, double slope, bool is_finite) {
     constexpr double kSmallest = 1e-12;
     double energy = is_finite ? work_.trial.energy_J : std::numeric_limits<double>::infinity();
-    while (fraction > kSmallest && -fraction * slope > energy_noise_J()) {
+    while (fraction > kSmallest && -fraction * slope > energy_noise_J(work_.current)) {
       const double rise = energy - work_.current.energy_J - fraction * slope;
       const double best = -0.5 * slope * fraction * fraction / rise;
       fraction =

@@ -43,14 +43,26 @@ MinimiseResult minimise_by_relaxation(const Potential& potential, const Minimise
   Eigen::VectorXd velocity = Eigen::VectorXd::Zero(potential.unknowns.count());
   double kinetic = 0.0;
   double safety = 1.0;
+  constexpr double kSlowest = 1e6;
   work.trial_state.clips.resize(state.clips.size());
   while (true) {
     const bool renews_mass = result.iterations % kStepsPerMass == 0;
     ++result.evaluations;
     if (!(renews_mass ? potential.evaluate_with_stiffness(state, 1.0, work.current)
-                      : potential.evaluate(state, work.current)))
-      return end(result.iterations == 0 ? MinimiseEnd::start_not_finite : MinimiseEnd::no_descent);
-    if (renews_mass) take_masses(potential.unknowns.pattern(), work.current.stiffness, mass);
+                      : potential.evaluate(state, work.current))) {
+      if (result.iterations == 0) return end(MinimiseEnd::start_not_finite);
+      // back to where it was a number, and more slowly
+      std::swap(state, work.trial_state);
+      if (!potential.evaluate(state, work.current) || safety >= kSlowest)
+        return end(MinimiseEnd::no_descent);
+      safety *= 4.0;
+      velocity.setZero();
+      kinetic = 0.0;
+    } else if (renews_mass) {
+      take_masses(potential.unknowns.pattern(), work.current.stiffness, mass);
+    }
+    if ((state.x - start).lpNorm<Eigen::Infinity>() > 100.0 * extent)
+      return end(MinimiseEnd::runs_away);
     if (work.current.net_force_N <= options.tolerance_N) return end(MinimiseEnd::converged);
     if (result.iterations == options.max_iterations) return end(MinimiseEnd::out_of_steps);
     ++result.iterations;
@@ -65,12 +77,10 @@ MinimiseResult minimise_by_relaxation(const Potential& potential, const Minimise
     const double longest = potential.unknowns.longest_move_m(velocity);
     if (longest > max_move) {
       velocity *= max_move / longest;
-      safety = std::min(2.0 * safety, 16.0);
+      if (safety < 16.0) safety *= 2.0;
     }
     potential.unknowns.move(state, velocity, 1.0, work.trial_state);
     std::swap(state, work.trial_state);
-    if ((state.x - start).lpNorm<Eigen::Infinity>() > 100.0 * extent)
-      return end(MinimiseEnd::runs_away);
   }
 }
 

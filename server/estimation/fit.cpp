@@ -17,7 +17,7 @@ namespace {
 /// scale.
 class AllRows final : public ceres::CostFunction {
  public:
-  AllRows(Evaluator& evaluator, Eigen::VectorXd& all, const std::vector<int>& free,
+  AllRows(ResidualFunction& evaluator, Eigen::VectorXd& all, const std::vector<int>& free,
           const Eigen::VectorXd& scale, const Eigen::VectorXd& weights)
       : evaluator_(evaluator), all_(all), free_(free), scale_(scale), weights_(weights) {
     set_num_residuals(evaluator.row_count());
@@ -44,7 +44,7 @@ class AllRows final : public ceres::CostFunction {
   }
 
  private:
-  Evaluator& evaluator_;
+  ResidualFunction& evaluator_;
   Eigen::VectorXd& all_;
   const std::vector<int>& free_;
   const Eigen::VectorXd& scale_;
@@ -80,7 +80,7 @@ bool is_at_bound(const model::Parameter& p, double value) {
 
 /// A start at which the model has an equilibrium: where it has none, couplings that may take either
 /// sign are weakened.
-bool find_start(Evaluator& evaluator, const std::vector<const model::Parameter*>& parameters,
+bool find_start(ResidualFunction& evaluator, const std::vector<const model::Parameter*>& parameters,
                 Eigen::VectorXd& all) {
   const Eigen::VectorXd wanted = all;
   Eigen::VectorXd residuals;
@@ -158,7 +158,7 @@ void describe(const std::vector<const model::Parameter*>& parameters, const std:
 
 }  // namespace
 
-FitResult fit(Evaluator& evaluator, const model::Model& start, const FitOptions& options) {
+FitResult fit(ResidualFunction& evaluator, const model::Model& start, const FitOptions& options) {
   FitResult result;
   const auto parameters = parameters_of(start);
   Eigen::VectorXd all(static_cast<Eigen::Index>(parameters.size()));

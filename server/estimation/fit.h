@@ -51,7 +51,7 @@ struct FitResult {
 
 /// Starts from the model's values. Spline laws without a range must have been given one (see
 /// adapt_spline_ranges).
-FitResult fit(Evaluator& evaluator, const model::Model& start, const FitOptions& options);
+FitResult fit(ResidualFunction& evaluator, const model::Model& start, const FitOptions& options);
 
 /// Rows that count as independent: per block and channel, samples over twice the integrated
 /// autocorrelation time of the residuals, at least one each (weights zero are skipped).

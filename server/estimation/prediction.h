@@ -21,19 +21,10 @@
 #include "common/base/error.h"
 #include "common/model/model.h"
 #include "server/estimation/curves.h"
+#include "server/estimation/residual_function.h"
 #include "server/mechanics/material_point.h"
 
 namespace tenter::estimation {
-
-using mechanics::RowMatrix;
-
-/// One residual's place.
-struct Row {
-  int curve = 0;
-  int channel = 0;
-  int frame = 0;  ///< kept frame within the curves
-  int block = 0;  ///< global block index over all curves
-};
 
 /// Curves with the noise that a fit gives them, sigma[curve][channel] in SI, and the readings that
 /// it leaves out, left_out[curve][channel][frame].
@@ -49,17 +40,15 @@ struct DataSet {
   double sigma_of(const Row& row) const;
 };
 
-class Evaluator {
+class Evaluator final : public ResidualFunction {
  public:
   static Expected<Evaluator> make(const model::Model& model, std::shared_ptr<const DataSet> data);
 
-  int parameter_count() const { return parameter_count_; }
-  int row_count() const { return static_cast<int>(rows_.size()); }
-  const std::vector<Row>& rows() const { return rows_; }
-
-  /// Whitened residuals of all rows and, where not null, their Jacobian (rows x parameters).
+  int parameter_count() const override { return parameter_count_; }
+  const std::vector<Row>& rows() const override { return rows_; }
   [[nodiscard]] mechanics::PathStatus evaluate(const Eigen::VectorXd& parameters,
-                                               Eigen::VectorXd& residuals, RowMatrix* jacobian);
+                                               Eigen::VectorXd& residuals,
+                                               RowMatrix* jacobian) override;
 
   /// Predicted value (SI) of every row, from residuals that `evaluate` gave.
   std::vector<double> predicted(const Eigen::VectorXd& residuals) const;

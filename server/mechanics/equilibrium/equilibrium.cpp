@@ -125,7 +125,7 @@ Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& para
   bool is_near = options.start_is_near;
   if (has_constraints)
     start_constraints(potential, options, state);
-  else if (is_near)
+  else if (is_near && options.predict)
     predict(potential, state);
 
   EquilibriumResult result;

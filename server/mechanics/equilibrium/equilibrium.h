@@ -32,6 +32,8 @@ struct EquilibriumOptions {
   double tolerance_N = 1e-5;  ///< thesis 3.4.1; 0: to rounding
   int max_iterations = 2000;
   bool start_is_near = false;
+  bool predict = true;  ///< where the start is the last result and near; off, a solve depends on
+                        ///< nothing but what is passed
   double max_move_m = 0.0;  ///< see MinimiseOptions
   Minimiser minimiser = Minimiser::newton;
   bool check_minimum = true;         ///< and leave saddles

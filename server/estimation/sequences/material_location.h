@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where in a mesh a point of the material is: three nodes and their weights.
+//
+//   x(point) = sum over corners  weight_a x_a
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "server/mechanics/mesh/surface_mesh.h"
+
+namespace tenter::estimation {
+
+struct MaterialLocation {
+  std::array<int, 3> nodes = {0, 0, 0};
+  std::array<double, 3> weight = {0.0, 0.0, 0.0};  ///< they sum to one
+
+  Eigen::Vector3d position(const Eigen::VectorXd& x) const {
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();
+    for (std::size_t a = 0; a < 3; ++a)
+      p += weight[a] * x.segment<3>(3 * static_cast<Eigen::Index>(nodes[a]));
+    return p;
+  }
+};
+
+/// None where the point is outside of every triangle by more than a millionth of its size. Linear
+/// in the number of triangles.
+std::optional<MaterialLocation> locate(const mechanics::SurfaceMesh& mesh,
+                                       const Eigen::Vector2d& material_m);
+
+}  // namespace tenter::estimation

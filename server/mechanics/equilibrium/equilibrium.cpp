@@ -130,14 +130,19 @@ Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& para
 
   EquilibriumResult result;
   for (int round = 0; round <= kMostRounds; ++round) {
+    EquilibriumOptions how = options;
     for (int saddle = 0; saddle <= kMostSaddles; ++saddle) {
-      result.last = minimise(potential, options, is_near, state);
+      result.last = minimise(potential, how, is_near, state);
       result.iterations += result.last.iterations;
       result.factorisations += result.last.factorisations;
       result.evaluations += result.last.evaluations;
+      result.stability = Stability::not_checked;
       if (!result.last.is_equilibrium() || !options.check_minimum) break;
       result.stability = check(potential, state, result);
-      if (result.stability != Stability::saddle || !leave_saddle(potential, state)) break;
+      if (result.stability != Stability::saddle || saddle == kMostSaddles) break;
+      // a motion so soft that its force is below the tolerance: look closer
+      if (saddle > 0 && result.last.iterations == 0) how.tolerance_N *= 0.1;
+      if (!leave_saddle(potential, state)) break;
       ++result.saddles_left;
       is_near = false;
     }
@@ -303,25 +308,31 @@ Stability EquilibriumSolver::check(const Potential& potential, const State& stat
                                                             : Stability::neutral;
 }
 
-/// Goes down along the direction of least stiffness; false where no length of it lowers the energy.
+/// Goes down along the direction of least stiffness, as far as the energy falls; false where no
+/// length of it lowers the energy.
 bool EquilibriumSolver::leave_saddle(const Potential& potential, State& state) {
   const double longest = unknowns_->longest_move_m(lowest_mode_);
   if (!(longest > 0.0)) return false;
-  const double before = potential.energy_J(state);
+  double lowest = potential.energy_J(state);
+  double best = 0.0;
   State there = state;
   constexpr double kLargest = 1e-2;  // of the extent
   constexpr double kSmallest = 1e-7;
-  for (double part = kLargest; part >= kSmallest; part *= 0.1) {
+  for (double part = kLargest; part >= kSmallest; part *= 0.25) {
     const double length = part * extent_m(state.x) / longest;
-    for (const double sign : {1.0, -1.0}) {
-      unknowns_->move(state, lowest_mode_, sign * length, there);
-      if (potential.energy_J(there) < before) {
-        state = there;
-        return true;
-      }
+    for (const double signed_length : {length, -length}) {
+      unknowns_->move(state, lowest_mode_, signed_length, there);
+      const double energy = potential.energy_J(there);
+      if (!(energy < lowest)) continue;
+      lowest = energy;
+      best = signed_length;
     }
+    if (best != 0.0 && std::abs(best) > length) break;  // shorter ways fall less deep
   }
-  return false;
+  if (best == 0.0) return false;
+  unknowns_->move(state, lowest_mode_, best, there);
+  state = there;
+  return true;
 }
 
 }  // namespace tenter::mechanics

@@ -174,9 +174,9 @@ class Newton {
 
   /// Smaller fractions by safeguarded quadratic interpolation.
   std::optional<double> search(double fraction, double slope, bool is_finite) {
-    constexpr double kSmallest = 1e-12;
+    const double smallest = 1e-12 * fraction;
     double energy = is_finite ? work_.trial.energy_J : std::numeric_limits<double>::infinity();
-    while (fraction > kSmallest && -fraction * slope > energy_noise_J(work_.current)) {
+    while (fraction > smallest && -fraction * slope > energy_noise_J(work_.current)) {
       const double rise = energy - work_.current.energy_J - fraction * slope;
       const double best = -0.5 * slope * fraction * fraction / rise;
       fraction =

@@ -10,6 +10,12 @@
 // homogeneous bend along a grid's axis eps_b is 3 curvatures, on hinges that stand for a third of
 // the sheet.
 //
+// Elsewhere the cut of the mesh counts (psi of one k for all directions, over what a cylinder of
+// the same curvature should take): a grid of one diagonal takes 1 at 0, 90 and 135 degrees and 3 at
+// 45, with both diagonals 1 along the axes and 2 between, irregular meshes about 1.05 whatever
+// their fineness. Strips that are free to twist are softer: 0.8 with one diagonal and with
+// alternating ones, 1 with both (tests/server/mechanics/equilibrium/bending).
+//
 // Sign: theta > 0 where the corners leave the edge against the normals of the triangles (a ridge
 // seen from the normals' side); dihedral_angle() is that definition.
 //

@@ -74,10 +74,23 @@ Expected<std::vector<std::string>> captures_of(const json& document, const std::
   return captures;
 }
 
+/// A scene is simulated, and on its own.
+Expected<void> check_scene_alone(const json& document, const std::string& kind) {
+  if (!document["scene"].is_object())
+    return bad_input("job specification: \"scene\" must be a scene document");
+  if (kind != "simulate")
+    return bad_input("job specification: \"scene\" is for simulate, not for " + kind);
+  const auto captures = document.find("captures");
+  if (captures != document.end() && (!captures->is_array() || !captures->empty()))
+    return bad_input("job specification: a scene has no \"captures\"");
+  return {};
+}
+
 }  // namespace
 
 Expected<JobSpec> parse_spec(std::string_view json_text,
-                             const std::function<Expected<void>(std::string_view)>& check_model) {
+                             const std::function<Expected<void>(std::string_view)>& check_model,
+                             const std::function<Expected<void>(std::string_view)>& check_scene) {
   if (json_text.size() > kMaxSpecBytes) {
     return bad_input("the job specification has " + std::to_string(json_text.size()) +
                      " bytes, more than the allowed " + std::to_string(kMaxSpecBytes));
@@ -85,8 +98,8 @@ Expected<JobSpec> parse_spec(std::string_view json_text,
   auto document = read_document(json_text);
   if (!document) return tl::unexpected(document.error());
   for (const auto& [key, value] : document->items()) {
-    static constexpr const char* kKnown[] = {"schema",   "version", "kind",
-                                             "captures", "model",   "options"};
+    static constexpr const char* kKnown[] = {"schema", "version", "kind", "captures",
+                                             "model",  "options", "scene"};
     if (std::find(std::begin(kKnown), std::end(kKnown), key) == std::end(kKnown)) {
       return bad_input("job specification: unknown key \"" + key.substr(0, 64) + "\"");
     }
@@ -105,8 +118,14 @@ Expected<JobSpec> parse_spec(std::string_view json_text,
     return bad_input("job specification: \"kind\" must be fit, simulate or diagnose, not \"" +
                      kind->substr(0, 64) + "\"");
   }
-  auto captures = captures_of(*document, *kind);
-  if (!captures) return tl::unexpected(captures.error());
+  const auto scene = document->find("scene");
+  Expected<std::vector<std::string>> captures;
+  if (scene == document->end()) {
+    captures = captures_of(*document, *kind);
+    if (!captures) return tl::unexpected(captures.error());
+  } else if (auto alone = check_scene_alone(*document, *kind); !alone) {
+    return tl::unexpected(alone.error());
+  }
   const auto model = document->find("model");
   if (model == document->end() || !model->is_object()) {
     return bad_input("job specification: \"model\" must be a model document");
@@ -123,6 +142,12 @@ Expected<JobSpec> parse_spec(std::string_view json_text,
         return fail(sound.error().kind, "job specification: model: " + sound.error().message);
       }
     }
+    if (scene != document->end() && check_scene) {
+      if (auto sound = check_scene(scene->dump()); !sound) {
+        return fail(sound.error().kind, "job specification: " + sound.error().message);
+      }
+    }
+    if (scene != document->end()) (*document)["captures"] = json::array();
     if (options == document->end()) (*document)["options"] = json::object();
     spec.canonical = document->dump();
   } catch (const json::exception&) {

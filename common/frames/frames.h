@@ -21,12 +21,12 @@ struct Elements {
 /// The strains of one term on all elements of a kind; 0 where the term does not act.
 struct StrainSeries {
   std::string term;
-  std::string measure;  ///< row of the strain catalogue
-  std::string kind;     ///< of the elements
-  std::string unit;     ///< "1", or "1/m" on hinges
-  int strains = 1;
-  std::vector<double> share;   ///< of each element: area (m^2) or volume (m^3) the term stands for
-  std::vector<double> values;  ///< [frame][element][strain]
+  std::string measure;        ///< row of the strain catalogue
+  std::string kind;           ///< of the elements
+  std::string unit;           ///< "1", or "1/m" on hinges
+  std::vector<double> share;  ///< of each element: area (m^2) or volume (m^3) the term stands for
+  std::vector<std::vector<double>> values;  ///< [strain][frame][element]
+  int strains() const { return static_cast<int>(values.size()); }
 };
 
 struct FrameSet {

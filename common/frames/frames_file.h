@@ -18,8 +18,9 @@ namespace tenter::frames {
 
 inline constexpr const char* kSchema = "tenter.frames";
 inline constexpr int kVersion = 1;
+inline constexpr int kMostFrames = 1'000'000;  ///< their folders have six digits
 
-/// `frames` holds one frame at least. A full disk is ErrorKind::no_space.
+/// `frames` holds one frame at least, kMostFrames at most. A full disk is ErrorKind::no_space.
 Expected<void> write_frames(const FrameSet& frames, const std::string& path);
 
 /// The sidecar of a frames file as text; bad_input where it is none.

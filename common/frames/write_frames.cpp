@@ -30,6 +30,28 @@ std::vector<int> numbers(int count) {
   return list;
 }
 
+/// "/entry/frames/000012/"
+std::string folder_of(int frame) {
+  char text[32];
+  std::snprintf(text, sizeof text, "/entry/frames/%06d/", frame);
+  return text;
+}
+
+/// A list over frames: one dataset a frame, which is what readers of XDMF take, and all of them
+/// as one under `path`.
+void over_frames(H5Writer& file, const std::string& path, const std::string& part,
+                 const std::vector<double>& values, int frames,
+                 const std::vector<std::size_t>& shape, const std::string& unit) {
+  const auto size = static_cast<std::ptrdiff_t>(values.size() / size_of(frames));
+  std::vector<std::string> parts;
+  for (int frame = 0; frame < frames; ++frame) {
+    const auto begin = values.begin() + frame * size;
+    parts.push_back(folder_of(frame) + part);
+    file.array(parts.back(), std::vector<double>(begin, begin + size), shape, unit);
+  }
+  file.stack(path, parts, shape, unit);
+}
+
 void write_solution(H5Writer& file, const FrameSet& f) {
   const std::string group = "/entry/solution";
   data_group(file, group, "net_force", {"frame"});
@@ -57,8 +79,8 @@ void write_mesh(H5Writer& file, const FrameSet& f) {
       file.array("/entry/mesh/" + e.kind, e.nodes, {size_of(e.count()), size_of(e.corners)});
   const std::string group = "/entry/positions";
   data_group(file, group, "position", {"frame", "node", "component"});
-  file.array(group + "/position", f.position_m, {size_of(f.frame_count()), size_of(f.nodes), 3},
-             "m");
+  over_frames(file, group + "/position", "position", f.position_m, f.frame_count(),
+              {size_of(f.nodes), 3}, "m");
   file.array(group + "/frame", numbers(f.frame_count()));
 }
 
@@ -103,15 +125,23 @@ void write_strains(H5Writer& file, const FrameSet& f) {
   for (const StrainSeries& s : f.strains) {
     char prefix[16];
     std::snprintf(prefix, sizeof prefix, "%02d_", ++number);
-    const std::string group = "/entry/strains/" + (prefix + s.term) + "_" + s.kind;
-    data_group(file, group, "strain", {"frame", "element", "component"});
+    const std::string name = (prefix + s.term) + "_" + s.kind;
+    const std::string group = "/entry/strains/" + name;
+    const bool solid = s.kind == "tetrahedron" || s.kind == "hexahedron";
+    data_group(file, group, s.strains() == 1 ? "strain" : "strain_1", {"frame", "element"});
     file.attribute(group, "term", s.term);
     file.attribute(group, "measure", s.measure);
     file.attribute(group, "element_kind", s.kind);
-    file.array(group + "/share", s.share,
-               s.kind == "tetrahedron" || s.kind == "hexahedron" ? "m^3" : "m^2");
-    file.array(group + "/strain", s.values,
-               {size_of(f.frame_count()), s.share.size(), size_of(s.strains)}, s.unit);
+    file.array(group + "/share", s.share, solid ? "m^3" : "m^2");
+    for (int i = 0; i < s.strains(); ++i) {
+      const std::string end = s.strains() == 1 ? "" : "_" + std::to_string(i + 1);
+      const std::string path = group + "/strain" + end;
+      const std::vector<double>& values = s.values[size_of(i)];
+      if (solid || s.kind == "triangle")
+        over_frames(file, path, name + end, values, f.frame_count(), {s.share.size()}, s.unit);
+      else
+        file.array(path, values, {size_of(f.frame_count()), s.share.size()}, s.unit);
+    }
   }
 }
 
@@ -120,6 +150,8 @@ void write_strains(H5Writer& file, const FrameSet& f) {
 Expected<void> write_frames(const FrameSet& f, const std::string& path) {
   if (f.frame_count() == 0 || f.nodes == 0)
     return fail(ErrorKind::internal, path + ": there is no frame to write");
+  if (f.frame_count() > kMostFrames)
+    return bad_input(path + ": has more than " + std::to_string(kMostFrames) + " frames");
   H5Writer file(path);
   file.group("/", "NXroot");
   file.attribute("/", "default", std::string("entry"));
@@ -130,6 +162,12 @@ Expected<void> write_frames(const FrameSet& f, const std::string& path) {
   file.text("/entry/title", f.title);
   file.text("/entry/scene", f.scene_json);
   file.text("/entry/model", f.model_json);
+  file.group("/entry/frames", "NXcollection");
+  for (int frame = 0; frame < f.frame_count(); ++frame) {
+    std::string folder = folder_of(frame);
+    folder.pop_back();
+    file.group(folder, "NXcollection");
+  }
   write_solution(file, f);
   write_mesh(file, f);
   write_clips(file, f);

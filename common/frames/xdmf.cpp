@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Xdmf version 3, with the forms that version 2 reads too: a temporal collection, and one slab of
-// the HDF5 lists per frame. Numbers stay in the HDF5 file.
+// Only forms that ParaView's readers of version 2 and of version 3 both take: a temporal collection
+// of grids, whose lists are whole datasets (version 3 reads no part of one). Numbers stay in the
+// HDF5 file.
 #include <filesystem>
 #include <optional>
 
@@ -23,8 +24,8 @@ constexpr CellKind kCells[] = {
     {"triangle", "Triangle"}, {"tetrahedron", "Tetrahedron"}, {"hexahedron", "Hexahedron"}};
 
 struct Strain {
-  std::string path, term;
-  Shape shape;
+  std::string part;  ///< name within the folder of a frame
+  std::string name;  ///< what a person reads
 };
 
 /// Cells of one kind and the strains on them.
@@ -36,8 +37,9 @@ struct Cells {
 };
 
 struct Contents {
-  std::string file;  ///< name without folder, as XML text
-  Shape position;
+  std::string file;                  ///< name without folder, as XML text
+  std::vector<std::string> folders;  ///< of the frames
+  std::uint64_t nodes = 0;
   std::vector<Cells> cells;
 };
 
@@ -58,52 +60,35 @@ std::string xml(const std::string& text) {
   return out;
 }
 
-std::string words(std::initializer_list<std::uint64_t> values) {
-  std::string text;
-  for (const std::uint64_t value : values)
-    text += (text.empty() ? "" : " ") + std::to_string(value);
-  return text;
+std::string item(const Contents& contents, const std::string& path, const Shape& shape,
+                 const char* type, const std::string& indent) {
+  std::string sizes;
+  for (const std::uint64_t length : shape)
+    sizes += (sizes.empty() ? "" : " ") + std::to_string(length);
+  return indent + "<DataItem Dimensions=\"" + sizes + "\" " + type + " Format=\"HDF\">" +
+         contents.file + ":" + xml(path) + "</DataItem>\n";
 }
 
-std::string whole_item(const Contents& contents, const Cells& cells, const std::string& indent) {
-  return indent + "<DataItem Dimensions=\"" + words({cells.shape[0], cells.shape[1]}) +
-         "\" NumberType=\"Int\" Precision=\"4\" Format=\"HDF\">" + contents.file + ":" +
-         xml(cells.path) + "</DataItem>\n";
-}
+constexpr const char* kDouble = "NumberType=\"Float\" Precision=\"8\"";
+constexpr const char* kInt = "NumberType=\"Int\" Precision=\"4\"";
 
-/// One frame of a list [frame][count][width]; from `first` on, `taken` of the last index.
-std::string slab_item(const Contents& contents, const std::string& path, const Shape& shape,
-                      std::uint64_t frame, std::uint64_t first, std::uint64_t taken,
-                      const std::string& indent) {
-  return indent + "<DataItem ItemType=\"HyperSlab\" Dimensions=\"" + words({shape[1], taken}) +
-         "\" Type=\"HyperSlab\">\n" + indent +
-         "  <DataItem Dimensions=\"3 3\" NumberType=\"Int\" Format=\"XML\">" +
-         words({frame, 0, first, 1, 1, 1, 1, shape[1], taken}) + "</DataItem>\n" + indent +
-         "  <DataItem Dimensions=\"" + words({shape[0], shape[1], shape[2]}) +
-         "\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">" + contents.file + ":" +
-         xml(path) + "</DataItem>\n" + indent + "</DataItem>\n";
-}
-
-std::string grid(const Contents& contents, const Cells& cells, std::uint64_t frame,
+std::string grid(const Contents& contents, const Cells& cells, std::size_t frame,
                  const std::string& name, bool has_time, const std::string& indent) {
   const std::string in = indent + "  ";
+  const std::string& folder = contents.folders[frame];
   std::string text = indent + "<Grid Name=\"" + name + "\" GridType=\"Uniform\">\n";
   if (has_time) text += in + "<Time Value=\"" + std::to_string(frame) + "\"/>\n";
   text += in + "<Topology TopologyType=\"" + cells.topology + "\" NumberOfElements=\"" +
-          std::to_string(cells.shape[0]) + "\">\n" + whole_item(contents, cells, in + "  ") + in +
-          "</Topology>\n";
-  text +=
-      in + "<Geometry GeometryType=\"XYZ\">\n" +
-      slab_item(contents, "/entry/positions/position", contents.position, frame, 0, 3, in + "  ") +
-      in + "</Geometry>\n";
+          std::to_string(cells.shape[0]) + "\">\n" +
+          item(contents, cells.path, cells.shape, kInt, in + "  ") + in + "</Topology>\n";
+  text += in + "<Geometry GeometryType=\"XYZ\">\n" +
+          item(contents, folder + "/position", {contents.nodes, 3}, kDouble, in + "  ") + in +
+          "</Geometry>\n";
   for (const Strain& strain : cells.strains)
-    for (std::uint64_t i = 0; i < strain.shape[2]; ++i) {
-      const std::string number = strain.shape[2] > 1 ? "." + std::to_string(i + 1) : "";
-      text += in + "<Attribute Name=\"" + xml(strain.term) + number +
-              "\" AttributeType=\"Scalar\" Center=\"Cell\">\n" +
-              slab_item(contents, strain.path, strain.shape, frame, i, 1, in + "  ") + in +
-              "</Attribute>\n";
-    }
+    text += in + "<Attribute Name=\"" + xml(strain.name) +
+            "\" AttributeType=\"Scalar\" Center=\"Cell\">\n" +
+            item(contents, folder + "/" + strain.part, {cells.shape[0]}, kDouble, in + "  ") + in +
+            "</Attribute>\n";
   return text + indent + "</Grid>\n";
 }
 
@@ -121,8 +106,8 @@ Expected<std::optional<Cells>> cells_of(const H5Reader& file, const CellKind& ki
   return cells;
 }
 
-Expected<void> add_strains(const H5Reader& file, const Contents& contents, Cells& cells,
-                           const std::string& kind) {
+/// Strains on cells of this kind: members "strain" or "strain_1", "strain_2", ... of their groups.
+Expected<void> add_strains(const H5Reader& file, Cells& cells, const std::string& kind) {
   const auto groups = file.members("/entry/strains");
   if (!groups) return tl::unexpected(groups.error());
   for (const std::string& name : *groups) {
@@ -132,19 +117,36 @@ Expected<void> add_strains(const H5Reader& file, const Contents& contents, Cells
     if (*on != kind) continue;
     const auto term = file.text_attribute(group, "term");
     if (!term) return tl::unexpected(term.error());
-    Strain strain{group + "/strain", *term, {}};
-    const auto shape = file.shape(strain.path);
+    const auto members = file.members(group);
+    if (!members) return tl::unexpected(members.error());
+    for (const std::string& member : *members)
+      if (member.starts_with("strain")) {
+        const std::string number = member.substr(std::string("strain").size());
+        cells.strains.push_back({name + number, *term + number});
+      }
+  }
+  return {};
+}
+
+/// Every frame has every list in the shape that the sidecar will say.
+Expected<void> check_frames(const H5Reader& file, const Contents& contents) {
+  const auto is = [&file](const std::string& path, const Shape& wanted) -> Expected<void> {
+    const auto shape = file.shape(path);
     if (!shape) return tl::unexpected(shape.error());
-    if (shape->size() != 3 || (*shape)[0] != contents.position[0] || (*shape)[1] != cells.shape[0])
-      return file.complaint(strain.path, "does not fit the frames and elements");
-    strain.shape = *shape;
-    cells.strains.push_back(std::move(strain));
+    if (*shape != wanted) return file.complaint(path, "does not fit the mesh");
+    return {};
+  };
+  for (const std::string& folder : contents.folders) {
+    if (auto ok = is(folder + "/position", {contents.nodes, 3}); !ok) return ok;
+    for (const Cells& cells : contents.cells)
+      for (const Strain& strain : cells.strains)
+        if (auto ok = is(folder + "/" + strain.part, {cells.shape[0]}); !ok) return ok;
   }
   return {};
 }
 
 Expected<Contents> contents_of(const std::string& path) {
-  const auto file = H5Reader::open(path);
+  const auto file = H5Reader::open(path, {.members = kMostFrames});
   if (!file) return tl::unexpected(file.error());
   const auto schema = file->text_attribute("/", "schema");
   if (!schema) return tl::unexpected(schema.error());
@@ -152,20 +154,21 @@ Expected<Contents> contents_of(const std::string& path) {
     return file->complaint("/", "has schema \"" + *schema + "\", not \"" + kSchema + "\"");
   Contents contents;
   contents.file = xml(std::filesystem::path(path).filename().string());
-  const auto position = file->shape("/entry/positions/position");
-  if (!position) return tl::unexpected(position.error());
-  if (position->size() != 3 || (*position)[2] != 3)
-    return file->complaint("/entry/positions/position", "must have frames, nodes and 3 components");
-  contents.position = *position;
+  const auto material = file->shape("/entry/mesh/material");
+  if (!material) return tl::unexpected(material.error());
+  contents.nodes = material->front();
+  const auto folders = file->members("/entry/frames");
+  if (!folders) return tl::unexpected(folders.error());
+  for (const std::string& name : *folders) contents.folders.push_back("/entry/frames/" + name);
   for (const CellKind& kind : kCells) {
     auto cells = cells_of(*file, kind);
     if (!cells) return tl::unexpected(cells.error());
     if (!*cells) continue;
-    if (auto ok = add_strains(*file, contents, **cells, kind.kind); !ok)
-      return tl::unexpected(ok.error());
+    if (auto ok = add_strains(*file, **cells, kind.kind); !ok) return tl::unexpected(ok.error());
     contents.cells.push_back(std::move(**cells));
   }
   if (contents.cells.empty()) return file->complaint("/entry/mesh", "has no cells");
+  if (auto ok = check_frames(*file, contents); !ok) return tl::unexpected(ok.error());
   return contents;
 }
 
@@ -177,7 +180,7 @@ Expected<std::string> xdmf_of(const std::string& frames_path) {
   std::string text =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
       "    <Grid Name=\"frames\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  for (std::uint64_t frame = 0; frame < contents->position[0]; ++frame) {
+  for (std::size_t frame = 0; frame < contents->folders.size(); ++frame) {
     const std::string name = "frame_" + std::to_string(frame);
     if (contents->cells.size() == 1) {
       text += grid(*contents, contents->cells[0], frame, name, true, "      ");

@@ -144,13 +144,33 @@ struct H5Reader::Impl {
     return {};
   }
 
+  /// A stack of datasets: all of this file, which are checked by HDF5 as they are read.
+  Expected<void> believable_stack(const Handle& properties, std::uint64_t claim,
+                                  const std::string& object) const {
+    std::size_t parts = 0;
+    if (H5Pget_virtual_count(properties.get(), &parts) < 0)
+      return complaint(object, "cannot be read; the file is damaged");
+    for (std::size_t i = 0; i < parts; ++i) {
+      std::array<char, 4> source{};
+      if (H5Pget_virtual_filename(properties.get(), i, source.data(), source.size()) != 1 ||
+          source[0] != '.')
+        return complaint(object, "is stored outside the file");
+    }
+    if (claim / kDeflateBest > file_bytes)
+      return complaint(object,
+                       "claims " + megabytes(claim) + " but the file has " + megabytes(file_bytes));
+    return {};
+  }
+
   /// The claim of a dataset against what the file stores of it.
-  Expected<void> believable(hid_t dataset, std::uint64_t count, std::uint64_t size,
+  Expected<void> believable(hid_t dataset, std::uint64_t count, std::uint64_t size, Extent extent,
                             const std::string& object) const {
     const std::uint64_t claim = count * size;
     const std::uint64_t stored = H5Dget_storage_size(dataset);
     const Handle properties(H5Dget_create_plist(dataset));
     const H5D_layout_t layout = properties ? H5Pget_layout(properties.get()) : H5D_LAYOUT_ERROR;
+    if (layout == H5D_VIRTUAL && extent == Extent::table)
+      return believable_stack(properties, claim, object);
     if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
       return complaint(object, "is stored in a way that captures do not use");
     if (layout == H5D_CONTIGUOUS && H5Pget_external_count(properties.get()) != 0)
@@ -207,7 +227,7 @@ struct H5Reader::Impl {
     if (!count) return tl::unexpected(count.error());
     const std::uint64_t in_memory = wanted == Wanted::text ? *size : 8;
     if (auto ok = affordable(*count, in_memory, path); !ok) return tl::unexpected(ok.error());
-    if (auto ok = believable(dataset.get(), *count, *size, path); !ok)
+    if (auto ok = believable(dataset.get(), *count, *size, extent, path); !ok)
       return tl::unexpected(ok.error());
     Raw raw{std::vector<char>(*count * in_memory), *count, static_cast<std::size_t>(in_memory),
             std::move(*shape)};

@@ -44,7 +44,8 @@ class H5Reader {
   Expected<std::vector<int>> ints(const std::string& path) const;
   Expected<std::vector<std::string>> texts(const std::string& path) const;
 
-  /// A list of any number of dimensions (up to 4), the last one running fastest.
+  /// A list of any number of dimensions (up to 4), the last one running fastest; also one stacked
+  /// of others of the same file (H5Writer::stack).
   struct Table {
     std::vector<std::uint64_t> shape;
     std::vector<double> values;

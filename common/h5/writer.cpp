@@ -194,6 +194,30 @@ void H5Writer::array(const std::string& path, const std::vector<int>& values,
                  values.empty() ? nullptr : values.data());
 }
 
+void H5Writer::stack(const std::string& path, const std::vector<std::string>& parts,
+                     const std::vector<std::size_t>& part_shape, const std::string& unit) {
+  const std::lock_guard lock(library_lock());
+  std::vector<hsize_t> shape(part_shape.begin(), part_shape.end());
+  const Handle part(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr));
+  std::vector<hsize_t> start(shape.size() + 1, 0), count(shape);
+  shape.insert(shape.begin(), parts.size());
+  count.insert(count.begin(), 1);
+  const Handle whole(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr));
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE));
+  H5Pset_obj_track_times(properties.get(), false);
+  for (const std::string& name : parts) {
+    H5Sselect_hyperslab(whole.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
+    impl_->note(H5Pset_virtual(properties.get(), whole.get(), ".", name.c_str(), part.get()) >= 0,
+                path);
+    ++start[0];
+  }
+  H5Sselect_all(whole.get());
+  const Handle dataset(H5Dcreate2(impl_->file.get(), path.c_str(), H5T_IEEE_F64LE, whole.get(),
+                                  H5P_DEFAULT, properties.get(), H5P_DEFAULT));
+  impl_->note(static_cast<bool>(dataset), path);
+  if (!unit.empty()) attribute(path, "units", unit);
+}
+
 void H5Writer::array(const std::string& path, const std::vector<std::string>& values) {
   const std::lock_guard lock(library_lock());
   std::size_t length = 1;

@@ -64,7 +64,7 @@ void append(std::vector<double>& list, const Vector& values) {
 
 FrameCollector::FrameCollector(const mechanics::SceneRun& run, const model::Model& model)
     : model_(model), frames_asked_(run.scene().frame_count()) {
-  const mechanics::Body& body = run.body();
+  const mechanics::SceneBody& body = run.body();
   set_.title = run.scene().name + " with " + model.name;
   set_.model_json = model::write_model(model);
   set_.nodes = body.node_count();
@@ -97,8 +97,8 @@ FrameCollector::FrameCollector(const mechanics::SceneRun& run, const model::Mode
 void FrameCollector::begin_strains(const std::vector<mechanics::TermStrains>& strains) {
   for (const mechanics::TermStrains& from : strains) {
     const model::Term& term = model_.terms[static_cast<std::size_t>(from.term)];
-    frames::StrainSeries series{
-        term.id, term.strain.name, name_of(from.kind), "1", from.strains, {}, {}};
+    frames::StrainSeries series{term.id, term.strain.name, name_of(from.kind), "1", {}, {}};
+    series.values.resize(static_cast<std::size_t>(from.strains));
     if (from.kind == ElementKind::hinge) series.unit = "1/m";
     series.share.assign(static_cast<std::size_t>(element_count_.at(from.kind)), 0.0);
     for (std::size_t e = 0; e < from.element.size(); ++e)
@@ -113,14 +113,14 @@ void FrameCollector::add_strains(const std::vector<mechanics::TermStrains>& stra
     const mechanics::TermStrains& from = strains[i];
     frames::StrainSeries& series = set_.strains[i];
     const auto count = static_cast<std::size_t>(from.strains);
-    const std::size_t begin = series.values.size();
-    series.values.resize(begin + series.share.size() * count, 0.0);
+    const std::size_t begin = series.values.front().size();
+    for (std::vector<double>& values : series.values) values.resize(begin + series.share.size());
     for (std::size_t e = 0; e < from.element.size(); ++e) {
       const auto element = static_cast<std::size_t>(from.element[e]);
       if (series.share[element] <= 0.0) continue;
       const double part = from.measure[e] / series.share[element];
       for (std::size_t k = 0; k < count; ++k)
-        series.values[begin + element * count + k] += part * from.strain[e * count + k];
+        series.values[k][begin + element] += part * from.strain[e * count + k];
     }
   }
 }
@@ -130,7 +130,7 @@ Expected<void> FrameCollector::add(const mechanics::SceneFrame& frame) {
     begin_strains(frame.strains);
     double numbers = 3.0 * set_.nodes;
     for (const frames::StrainSeries& s : set_.strains)
-      numbers += static_cast<double>(s.share.size()) * s.strains;
+      numbers += static_cast<double>(s.share.size()) * s.strains();
     if (const double bytes = 8.0 * numbers * frames_asked_; bytes > kMostFrameBytes) {
       char words[160];
       std::snprintf(words, sizeof words,

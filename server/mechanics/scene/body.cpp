@@ -13,7 +13,7 @@
 namespace tenter::mechanics {
 namespace {
 
-Expected<Body> about_mesh(Expected<Body> body) {
+Expected<SceneBody> about_mesh(Expected<SceneBody> body) {
   if (body) return body;
   return fail(body.error().kind, "mesh: " + body.error().message);
 }
@@ -23,11 +23,11 @@ Eigen::VectorXd vector_of(const std::vector<double>& values) {
 }
 
 /// `read_m`: where a file had the nodes; empty for meshes that are made here.
-Expected<Body> sheet(Expected<Cloth> made, const Eigen::Matrix3Xd& read_m,
-                     const scene::Scene& scene) {
+Expected<SceneBody> sheet(Expected<Cloth> made, const Eigen::Matrix3Xd& read_m,
+                          const scene::Scene& scene) {
   if (!made) return tl::unexpected(made.error());
   const SurfaceMesh& mesh = made->mesh;
-  Body body;
+  SceneBody body;
   body.material_m = Eigen::Matrix3Xd::Zero(3, mesh.node_count());
   body.material_m.topRows<2>() = mesh.material_m;
   body.node_mass_kg =
@@ -41,9 +41,9 @@ Expected<Body> sheet(Expected<Cloth> made, const Eigen::Matrix3Xd& read_m,
   return body;
 }
 
-Expected<Body> solid(Expected<SolidMesh> made, const scene::Scene& scene) {
+Expected<SceneBody> solid(Expected<SolidMesh> made, const scene::Scene& scene) {
   if (!made) return tl::unexpected(made.error());
-  Body body;
+  SceneBody body;
   body.coordinates = 3;
   body.material_m = made->rest_m;
   body.node_mass_kg =
@@ -61,13 +61,13 @@ Diagonals diagonals_of(const std::string& word) {
   return Diagonals::alternating;
 }
 
-Expected<Body> body_of(const scene::GridMesh& grid, const scene::Scene& scene) {
+Expected<SceneBody> body_of(const scene::GridMesh& grid, const scene::Scene& scene) {
   return sheet(cloth_of_grid({grid.nodes_u, grid.nodes_v, grid.length_u_m, grid.length_v_m},
                              diagonals_of(grid.diagonals)),
                {}, scene);
 }
 
-Expected<Body> body_of(const scene::OutlineMesh& outline, const scene::Scene& scene) {
+Expected<SceneBody> body_of(const scene::OutlineMesh& outline, const scene::Scene& scene) {
   std::vector<Eigen::Vector2d> points;
   points.reserve(outline.points_m.size());
   for (const scene::Vec2& p : outline.points_m) points.emplace_back(p[0], p[1]);
@@ -76,7 +76,7 @@ Expected<Body> body_of(const scene::OutlineMesh& outline, const scene::Scene& sc
   return sheet(cloth_of_mesh(std::move(*mesh)), {}, scene);
 }
 
-Expected<Body> body_of(const scene::BoxMesh& box, const scene::Scene& scene) {
+Expected<SceneBody> body_of(const scene::BoxMesh& box, const scene::Scene& scene) {
   const Eigen::Vector3d size(box.size_m[0], box.size_m[1], box.size_m[2]);
   const auto& n = box.cells;
   return solid(box.is_tetrahedra ? box_tetrahedra(n[0], n[1], n[2], size)
@@ -84,7 +84,7 @@ Expected<Body> body_of(const scene::BoxMesh& box, const scene::Scene& scene) {
                scene);
 }
 
-Expected<Body> body_of(const scene::FileMesh& file, const scene::Scene& scene) {
+Expected<SceneBody> body_of(const scene::FileMesh& file, const scene::Scene& scene) {
   if (file.text.empty())
     return bad_input("\"" + file.path + "\" is only named; a job needs the text of the file");
   if (file.is_msh) {
@@ -101,12 +101,12 @@ Expected<Body> body_of(const scene::FileMesh& file, const scene::Scene& scene) {
 
 }  // namespace
 
-Expected<Body> make_body(const scene::Scene& scene) {
+Expected<SceneBody> make_body(const scene::Scene& scene) {
   return about_mesh(
       std::visit([&scene](const auto& mesh) { return body_of(mesh, scene); }, scene.mesh));
 }
 
-Expected<MeshModel> bind(const model::Model& model, const Body& body) {
+Expected<MeshModel> bind(const model::Model& model, const SceneBody& body) {
   return std::visit([&model](const auto& mesh) { return MeshModel::make(model, mesh); }, body.mesh);
 }
 

@@ -149,7 +149,7 @@ Expected<SceneEnd> SceneRun::walk(const SceneHooks& hooks) {
     }
     end.how = was_stopped_ ? SceneEnd::How::stopped : SceneEnd::How::failed;
     if (!was_stopped_)
-      end.reason = place_words(frame, scene_) + " has no equilibrium that was found: " + failure_;
+      end.reason = "no equilibrium was found for " + place_words(frame, scene_) + ": " + failure_;
     return false;
   };
 

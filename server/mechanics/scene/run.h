@@ -78,7 +78,7 @@ class SceneRun {
   static Expected<SceneRun> make(const scene::Scene& scene, const model::Model& model);
 
   const scene::Scene& scene() const { return scene_; }
-  const Body& body() const { return body_; }
+  const SceneBody& body() const { return body_; }
   const SetUp& set_up() const { return set_up_; }
 
   Expected<SceneEnd> walk(const SceneHooks& hooks);
@@ -93,7 +93,7 @@ class SceneRun {
   Expected<bool> finish(const Levels& levels, const State& state, SceneFrame& frame);
 
   scene::Scene scene_;
-  Body body_;
+  SceneBody body_;
   SetUp set_up_;
   std::unique_ptr<const MeshModel> model_;
   Eigen::VectorXd parameters_;

@@ -23,7 +23,7 @@ struct Material {
   Eigen::Vector3d lo, hi;
   double close_m;
 
-  explicit Material(const Body& body)
+  explicit Material(const SceneBody& body)
       : places(body.material_m),
         coordinates(body.coordinates),
         lo(places.rowwise().minCoeff()),
@@ -133,7 +133,7 @@ std::vector<std::array<int, 3>> inward_faces(const SolidMesh& mesh) {
 
 }  // namespace
 
-Expected<std::vector<int>> select(const Selection& selection, const Body& body) {
+Expected<std::vector<int>> select(const Selection& selection, const SceneBody& body) {
   if (auto ok = check_indices(selection, body.node_count()); !ok) return tl::unexpected(ok.error());
   const Material material(body);
   std::vector<int> nodes;
@@ -143,7 +143,8 @@ Expected<std::vector<int>> select(const Selection& selection, const Body& body) 
   return nodes;
 }
 
-std::vector<std::array<int, 3>> pressed_surface(const Body& body, const std::vector<int>& nodes) {
+std::vector<std::array<int, 3>> pressed_surface(const SceneBody& body,
+                                                const std::vector<int>& nodes) {
   std::vector<bool> chosen(static_cast<std::size_t>(body.node_count()), false);
   for (const int node : nodes) chosen[static_cast<std::size_t>(node)] = true;
   std::vector<std::array<int, 3>> all;

@@ -37,7 +37,7 @@ std::vector<std::pair<int, int>> rim(const std::vector<std::array<int, 3>>& tria
   return result;
 }
 
-Expected<void> add_clip(const scene::Clip& from, const Body& body, SetUp& set_up) {
+Expected<void> add_clip(const scene::Clip& from, const SceneBody& body, SetUp& set_up) {
   const auto nodes = select(from.nodes, body);
   if (!nodes) return tl::unexpected(nodes.error());
   Pose pose;
@@ -62,7 +62,7 @@ Obstacle obstacle_of(const scene::Obstacle& from) {
 }
 
 /// Nodes off their places: of a sheet in the plane across it, of a body every way.
-void add_noise(const scene::Start& start, const Body& body, SetUp& set_up) {
+void add_noise(const scene::Start& start, const SceneBody& body, SetUp& set_up) {
   std::vector<bool> is_held(static_cast<std::size_t>(body.node_count()), false);
   for (const Clip& clip : set_up.boundary.clips)
     for (const int node : clip.nodes) is_held[static_cast<std::size_t>(node)] = true;
@@ -80,7 +80,7 @@ void add_noise(const scene::Start& start, const Body& body, SetUp& set_up) {
     }
 }
 
-Expected<void> add_pressure(const scene::Scene& scene, const Body& body, SetUp& set_up) {
+Expected<void> add_pressure(const scene::Scene& scene, const SceneBody& body, SetUp& set_up) {
   const auto nodes = select(scene.pressure->nodes, body);
   if (!nodes) return about("pressure.nodes", nodes.error());
   set_up.boundary.pressed = pressed_surface(body, *nodes);
@@ -101,7 +101,7 @@ Expected<void> add_pressure(const scene::Scene& scene, const Body& body, SetUp& 
 
 }  // namespace
 
-Expected<SetUp> make_set_up(const scene::Scene& scene, const Body& body) {
+Expected<SetUp> make_set_up(const scene::Scene& scene, const SceneBody& body) {
   SetUp set_up;
   set_up.gravity_m_s2 = vector3(scene.gravity_m_s2);
   set_up.start.x = body.start_x;
@@ -127,7 +127,7 @@ Expected<SetUp> make_set_up(const scene::Scene& scene, const Body& body) {
   return set_up;
 }
 
-Loads loads_at(const SetUp& set_up, const Body& body, const Levels& levels) {
+Loads loads_at(const SetUp& set_up, const SceneBody& body, const Levels& levels) {
   Loads loads;
   loads.gravity_m_s2 = levels.gravity_factor * set_up.gravity_m_s2;
   loads.node_mass_kg = body.node_mass_kg;

@@ -32,10 +32,10 @@ struct SetUp {
 
 /// bad_input begins with the path of the key of the scene: a selection without nodes, a node in two
 /// clips, a free clip whose turn nothing determines, a pressure on a surface whose rim is not held.
-Expected<SetUp> make_set_up(const scene::Scene& scene, const Body& body);
+Expected<SetUp> make_set_up(const scene::Scene& scene, const SceneBody& body);
 
 /// Weights hang at their nodes in equal parts, forces the same.
-Loads loads_at(const SetUp& set_up, const Body& body, const Levels& levels);
+Loads loads_at(const SetUp& set_up, const SceneBody& body, const Levels& levels);
 
 /// What a pressure really pushes with at the nodes of the surface's rim, minus what the potential
 /// of conditions/loads.h says there (it closes the surface over the origin): 3 numbers a node (N),

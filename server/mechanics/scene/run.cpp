@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace tenter::mechanics {
@@ -29,9 +28,8 @@ EquilibriumOptions options_of(const scene::Solver& solver) {
 
 std::string place_words(const SceneFrame& frame, const scene::Scene& scene) {
   if (frame.phase < 0) return "frame 0, the start";
-  char share[32];
-  std::snprintf(share, sizeof share, "%.4g", 100.0 * frame.share);
-  return "frame " + std::to_string(frame.number) + ", " + share + " % into phase '" +
+  return "frame " + std::to_string(frame.number) + ", " +
+         std::to_string(std::lround(100.0 * frame.share)) + " % into phase '" +
          scene.protocol[static_cast<std::size_t>(frame.phase)].name + "'";
 }
 

@@ -42,7 +42,7 @@ class QueueTest : public ::testing::Test {
   static ClaimKey key(const JobRecord& job) { return {job.id, job.epoch}; }
   static StoredResult result_of(const JobRecord& job) {
     return {sha256_hex("result of " + job.spec_sha256), 10,
-            sha256_hex("residuals of " + job.spec_sha256), 20, "", 0};
+            sha256_hex("residuals of " + job.spec_sha256), 20};
   }
   void finish(const JobRecord& job) { MUST(queue_->complete(key(job), result_of(job))); }
   JobState state(JobId job) { return MUST(queue_->show(job)).state; }

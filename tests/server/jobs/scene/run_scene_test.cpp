@@ -147,14 +147,20 @@ TEST_F(SceneJob, ABodyLeavesItsCells) {
 
 TEST_F(SceneJob, AnEarlyEndKeepsWhatWasReached) {
   json scene = shipped("hanging_square");
-  scene["solver"] = {{"max_iterations", 60}, {"most_halvings", 0}};
-  scene["protocol"] =
-      json::array({{{"name", "closer"},
-                    {"frames", 2},
-                    {"motions", json::array({{{"clip", "right"}, {"move_m", {-0.002, 0, 0}}}})}},
-                   {{"name", "tear"},
-                    {"frames", 3},
-                    {"motions", json::array({{{"clip", "right"}, {"move_m", {1e6, 0, 0}}}})}}});
+  scene["mesh"].update({{"nodes_u", 9}, {"nodes_v", 9}, {"length_u_m", 0.1}, {"length_v_m", 0.1}});
+  scene["gravity_m_s2"] = {0, 0, 0};
+  scene["clips"] =
+      json::array({{{"id", "left"}, {"nodes", "left"}}, {{"id", "right"}, {"nodes", "right"}}});
+  scene["solver"] = {{"max_iterations", 4}, {"most_halvings", 1}};
+  scene["protocol"] = json::array(
+      {{{"name", "closer"},
+        {"frames", 2},
+        {"motions", json::array({{{"clip", "right"}, {"move_m", {1e-4, 0, 0}}}})}},
+       {{"name", "tear"},
+        {"frames", 3},
+        {"motions",
+         json::array(
+             {{{"clip", "right"}, {"move_m", {-0.06, 0.04, 0}}, {"turn_rad", {2, 0, 1}}}})}}});
   ASSERT_TRUE(run(spec(scene), "a"));
   const json result = json::parse(bytes("a/result.json"));
   EXPECT_EQ(result["completed"], false);

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/cli/scene_run.h"
 
+#include <unistd.h>
+
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "client/cli/follow.h"
 #include "client/cli/names.h"
 #include "client/cli/output.h"
-#include "common/base/text_file.h"
+#include "client/cli/progress.h"
 #include "common/frames/frames_file.h"
 #include "common/model/document.h"
-#include "common/scene/document.h"
 #include "common/scene/examples.h"
 
 namespace tenter::cli {
@@ -109,6 +111,39 @@ Expected<void> present(Context& context, const SceneJob& job, const std::string&
                   std::to_string((*result)["frames"].size()) + " frames before it are kept");
 }
 
+/// The mesh file of the scene goes to the server, and its name into the scene.
+Expected<void> send_mesh(client::Client& client, const Context& context, scene::SceneFile& scene,
+                         Interrupt& interrupt) {
+  if (scene.mesh_file.empty()) return {};
+  ProgressDisplay display(std::cerr, isatty(STDERR_FILENO) == 1, terminal_width(STDERR_FILENO));
+  const std::string what = "sending " + fs::path(scene.mesh_file).filename().string();
+  const auto sent = client.upload_capture(
+      scene.mesh_file,
+      [&](const client::TransferProgress& p) {
+        if (!context.quiet) display.show_transfer(what, p);
+      },
+      interrupt.token());
+  if (!sent) {
+    if (interrupt.interrupted())
+      return fail(ErrorKind::cancelled, "stopped while sending " + scene.mesh_file +
+                                            "; the same command goes on where it stopped");
+    return tl::unexpected(about_file(scene.mesh_file, sent.error()));
+  }
+  scene.text = scene::with_stored_mesh(scene.text, sent->sha256);
+  std::get<scene::FileMesh>(scene.scene.mesh).sha256 = sent->sha256;
+  return {};
+}
+
+std::string specification(const scene::SceneFile& scene, const model::Model& model) {
+  nlohmann::json spec = {{"schema", "tenter.job"}, {"version", 1}, {"kind", "simulate"}};
+  spec["captures"] = nlohmann::json::array();
+  const auto* file = std::get_if<scene::FileMesh>(&scene.scene.mesh);
+  if (file != nullptr) spec["captures"].push_back(file->sha256);
+  spec["scene"] = nlohmann::json::parse(scene.text);
+  spec["model"] = nlohmann::json::parse(model::write_model(model));
+  return spec.dump();
+}
+
 Expected<model::Model> model_of(const SceneJob& job, const scene::Scene& scene) {
   const char* usual = scene::is_solid(scene.mesh) ? "solid_neo_hookean" : "cloth_stvk";
   Expected<model::Model> model = load_model(job.model.empty() ? usual : job.model);
@@ -120,19 +155,18 @@ Expected<model::Model> model_of(const SceneJob& job, const scene::Scene& scene) 
 
 }  // namespace
 
-Expected<NamedScene> load_scene(const std::string& name_or_file) {
+Expected<scene::SceneFile> load_scene(const std::string& name_or_file) {
   std::error_code ignored;
-  Expected<std::string> text = scene::example_json(name_or_file);
-  if (!text) {
-    if (!fs::exists(name_or_file, ignored))
-      return fail(ErrorKind::not_found,
-                  "there is no scene file '" + name_or_file + "', and " + text.error().message);
-    text = scene::load_self_contained(name_or_file);
+  Expected<std::string> shipped = scene::example_json(name_or_file);
+  if (shipped) {
+    auto scene = scene::parse_scene(*shipped, name_or_file);
+    if (!scene) return tl::unexpected(scene.error());
+    return scene::SceneFile{std::move(*shipped), std::move(*scene), ""};
   }
-  if (!text) return tl::unexpected(text.error());
-  auto scene = scene::parse_scene(*text, name_or_file);
-  if (!scene) return tl::unexpected(scene.error());
-  return NamedScene{std::move(*text), std::move(*scene)};
+  if (!fs::exists(name_or_file, ignored))
+    return fail(ErrorKind::not_found,
+                "there is no scene file '" + name_or_file + "', and " + shipped.error().message);
+  return scene::read_scene_file(name_or_file);
 }
 
 Expected<void> set_parameter(model::Model& model, const std::string& assignment) {
@@ -162,21 +196,19 @@ Expected<void> set_parameter(model::Model& model, const std::string& assignment)
 }
 
 Expected<void> run_scene(Context& context, const SceneJob& job) {
-  const Expected<NamedScene> scene = load_scene(job.scene);
+  Expected<scene::SceneFile> scene = load_scene(job.scene);
   if (!scene) return tl::unexpected(scene.error());
   const Expected<model::Model> model = model_of(job, scene->scene);
   if (!model) return tl::unexpected(model.error());
   if (!job.output.empty())
     if (auto made = make_folder(job.output); !made) return made;
 
-  nlohmann::json spec = {{"schema", "tenter.job"}, {"version", 1}, {"kind", "simulate"}};
-  spec["scene"] = nlohmann::json::parse(scene->text);
-  spec["model"] = nlohmann::json::parse(model::write_model(*model));
-
   Interrupt interrupt;
   auto client = context.connect();
   if (!client) return tl::unexpected(client.error());
-  const Expected<client::SubmitResult> submitted = submit_job(*client, spec.dump(), job.submit);
+  if (auto sent = send_mesh(*client, context, *scene, interrupt); !sent) return sent;
+  const Expected<client::SubmitResult> submitted =
+      submit_job(*client, specification(*scene, *model), job.submit);
   if (!submitted) return tl::unexpected(submitted.error());
   if (job.detach) {
     print_submitted(context, *submitted);

@@ -9,7 +9,7 @@
 #include "client/cli/submit.h"
 #include "common/base/error.h"
 #include "common/model/model.h"
-#include "common/scene/scene.h"
+#include "common/scene/document.h"
 
 namespace tenter::cli {
 
@@ -26,12 +26,8 @@ struct SceneJob {
 /// reached has been written and shown.
 Expected<void> run_scene(Context& context, const SceneJob& job);
 
-struct NamedScene {
-  std::string text;  ///< the document, with its mesh
-  scene::Scene scene;
-};
 /// A shipped scene by name, or a scene document by file.
-Expected<NamedScene> load_scene(const std::string& name_or_file);
+Expected<scene::SceneFile> load_scene(const std::string& name_or_file);
 
 /// "weft.k=80" put into a model.
 Expected<void> set_parameter(model::Model& model, const std::string& assignment);

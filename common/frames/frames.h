@@ -51,6 +51,7 @@ struct FrameSet {
   std::vector<int> stability;  ///< 0 minimum, 1 neutral, 2 not checked
   std::vector<double> net_force_N;
   std::vector<double> contact_violation_m;
+  std::vector<double> limit_violation;  ///< of energy limits, in parts of psi_max
   std::vector<double> gravity_factor;
   std::vector<double> pressure_Pa;
   std::vector<double> potential_J;

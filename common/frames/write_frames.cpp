@@ -67,6 +67,7 @@ void write_solution(H5Writer& file, const FrameSet& f) {
                  std::vector<std::string>{"minimum", "neutral", "not_checked"});
   file.array(group + "/net_force", f.net_force_N, "N");
   file.array(group + "/contact_violation", f.contact_violation_m, "m");
+  file.array(group + "/limit_violation", f.limit_violation, "1");
   file.array(group + "/gravity_factor", f.gravity_factor, "1");
   file.array(group + "/pressure", f.pressure_Pa, "Pa");
 }

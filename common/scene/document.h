@@ -17,7 +17,7 @@
 namespace tenter::scene {
 
 inline constexpr std::size_t kMaxDocumentBytes = 4u << 20;
-inline constexpr std::size_t kMaxMeshBytes = 2u << 20;
+inline constexpr std::size_t kMaxMeshBytes = 256u << 20;
 inline constexpr int kMostFrames = 100'000;
 
 /// Parses and validates. `source_name` is what messages call the text.
@@ -27,8 +27,21 @@ Expected<Scene> parse_scene(std::string_view json_text, std::string_view source_
 /// make sense together. Messages begin with the path of the key.
 Expected<void> validate(const Scene& scene);
 
-/// The document of a scene file with the mesh file that it names put into it, so that it needs
-/// nothing else; validated. The mesh is looked for beside the scene.
-Expected<std::string> load_self_contained(const std::string& path);
+/// A scene file and the mesh file that it names, which is looked for beside it.
+struct SceneFile {
+  std::string text;  ///< the document
+  Scene scene;
+  std::string mesh_file;  ///< "": it names none
+};
+
+/// Reads and validates; the mesh file is there and looks like one.
+Expected<SceneFile> read_scene_file(const std::string& path);
+
+/// The document of a scene with the SHA-256 of its mesh file in place of its path: what a job
+/// holds. `text` is a valid document.
+std::string with_stored_mesh(const std::string& text, const std::string& sha256);
+
+/// "obj", "ply" or "msh" by how the bytes begin; "" for anything else.
+std::string_view mesh_format(std::string_view beginning);
 
 }  // namespace tenter::scene

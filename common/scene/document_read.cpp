@@ -59,12 +59,12 @@ Mesh read_box(const Node& node) {
 
 Mesh read_file(const Node& node) {
   node.expect_object(
-      {"kind", "path", "format", "text", "metres_per_unit", "metres_per_texture_unit"});
+      {"kind", "path", "sha256", "format", "metres_per_unit", "metres_per_texture_unit"});
   FileMesh file;
   file.path = node.text_or("path", "");
-  file.text = node.text_or("text", "");
-  if (file.path.empty() == file.text.empty())
-    node.refuse("needs 'path', or 'text' with the file itself");
+  file.sha256 = node.text_or("sha256", "");
+  if (file.path.empty() == file.sha256.empty())
+    node.refuse("needs the 'path' of a file, or the 'sha256' of one that the server has");
   file.metres_per_unit = node.number_or("metres_per_unit", 1.0);
   file.metres_per_texture_unit = node.number_or("metres_per_texture_unit", 1.0);
   if (node.has("format")) {

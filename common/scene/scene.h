@@ -41,8 +41,9 @@ struct BoxMesh {
 
 /// A mesh of another program: OBJ and PLY are sheets, MSH is a body.
 struct FileMesh {
-  std::string path;  ///< beside the scene; what a user names
-  std::string text;  ///< the file itself; what a job holds
+  std::string path;    ///< beside the scene: what a user names
+  std::string sha256;  ///< of the file: what a job names
+  std::string bytes;   ///< the file itself, for who makes the mesh; not in the document
   double metres_per_unit = 1.0;
   double metres_per_texture_unit = 1.0;
   bool is_msh = false;

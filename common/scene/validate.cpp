@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <set>
 
+#include "common/base/sha256.h"
 #include "common/scene/document.h"
 
 namespace tenter::scene {
@@ -78,7 +79,8 @@ void check_mesh(const Mesh& mesh, Check& check) {
   } else if (const auto* file = std::get_if<FileMesh>(&mesh)) {
     check.positive(file->metres_per_unit, "mesh.metres_per_unit");
     check.positive(file->metres_per_texture_unit, "mesh.metres_per_texture_unit");
-    check.that(file->text.size() <= kMaxMeshBytes, "mesh.text", "is larger than 2 MiB");
+    check.that(file->sha256.empty() || is_sha256(file->sha256), "mesh.sha256",
+               "must be a SHA-256 in 64 lower-case hex digits");
   }
 }
 

@@ -74,16 +74,25 @@ Expected<std::vector<std::string>> captures_of(const json& document, const std::
   return captures;
 }
 
-/// A scene is simulated, and on its own.
-Expected<void> check_scene_alone(const json& document, const std::string& kind) {
-  if (!document["scene"].is_object())
-    return bad_input("job specification: \"scene\" must be a scene document");
+/// A scene is simulated, and on its own: what is listed is its mesh file, if it names one.
+Expected<std::vector<std::string>> captures_of_scene(const json& document,
+                                                     const std::string& kind) {
+  const json& scene = document["scene"];
+  if (!scene.is_object()) return bad_input("job specification: \"scene\" must be a scene document");
   if (kind != "simulate")
     return bad_input("job specification: \"scene\" is for simulate, not for " + kind);
+  const auto mesh = scene.find("mesh");
+  const bool has_file = mesh != scene.end() && mesh->is_object() && mesh->contains("sha256");
   const auto captures = document.find("captures");
-  if (captures != document.end() && (!captures->is_array() || !captures->empty()))
-    return bad_input("job specification: a scene has no \"captures\"");
-  return {};
+  if (!has_file) {
+    if (captures != document.end() && (!captures->is_array() || !captures->empty()))
+      return bad_input("job specification: a scene without a mesh file has no \"captures\"");
+    return std::vector<std::string>{};
+  }
+  auto listed = captures_of(document, kind);
+  if (listed && (listed->size() != 1 || listed->front() != (*mesh)["sha256"]))
+    return bad_input("job specification: \"captures\" must list the scene's mesh.sha256 alone");
+  return listed;
 }
 
 }  // namespace
@@ -119,13 +128,9 @@ Expected<JobSpec> parse_spec(std::string_view json_text,
                      kind->substr(0, 64) + "\"");
   }
   const auto scene = document->find("scene");
-  Expected<std::vector<std::string>> captures;
-  if (scene == document->end()) {
-    captures = captures_of(*document, *kind);
-    if (!captures) return tl::unexpected(captures.error());
-  } else if (auto alone = check_scene_alone(*document, *kind); !alone) {
-    return tl::unexpected(alone.error());
-  }
+  auto captures = scene == document->end() ? captures_of(*document, *kind)
+                                           : captures_of_scene(*document, *kind);
+  if (!captures) return tl::unexpected(captures.error());
   const auto model = document->find("model");
   if (model == document->end() || !model->is_object()) {
     return bad_input("job specification: \"model\" must be a model document");
@@ -147,7 +152,7 @@ Expected<JobSpec> parse_spec(std::string_view json_text,
         return fail(sound.error().kind, "job specification: " + sound.error().message);
       }
     }
-    if (scene != document->end()) (*document)["captures"] = json::array();
+    (*document)["captures"] = *captures;
     if (options == document->end()) (*document)["options"] = json::object();
     spec.canonical = document->dump();
   } catch (const json::exception&) {

@@ -5,7 +5,7 @@
 //    "captures": ["<sha256>", ...], "model": {tenter.model document}, "options": {...}}
 //
 // or, for a simulated scene, "kind": "simulate" with "scene": {tenter.scene document} and no
-// captures.
+// captures but the scene's mesh file, where it has one.
 //
 // Two texts that mean the same (order of keys, white space) are one specification: the canonical
 // text has sorted keys and no white space, and its SHA-256 names the job's work.

@@ -77,6 +77,23 @@ class Scenes(CommandTest):
         self.assertEqual((result["nodes"], result["elements"]["triangle"]), (36, 50))
         total = sum(clip["force_N"][2] for clip in result["frames"][0]["reactions"].values())
         self.assertAlmostEqual(total, -9.81 * 0.187 * 0.01, places=4)
+        self.assertIn("mesh", [capture["kind"] for capture in self.json("capture", "list")["captures"]])
+
+    def test_a_mesh_too_large_for_a_request_is_sent_as_a_file(self):
+        n = 61
+        nodes = [f"v {0.005 * i:.6f} {0.005 * j:.6f} 0" for j in range(n) for i in range(n)]
+        faces = [f"f {a} {a + 1} {a + n + 1} {a + n}" for a in
+                 (j * n + i + 1 for j in range(n - 1) for i in range(n - 1))]
+        text = "\n".join(nodes + faces) + "\n"
+        self.assertGreater(len(text), 100000)
+        (self.work / "large.obj").write_text(text)
+        scene = self.scene(mesh={"kind": "file", "path": "large.obj"}, start={"place": "vertical"}, protocol=[])
+        self.assertEqual(self.json("simulate", "--scene", scene)["nodes"], n * n)
+        (self.work / "large.obj").write_text(text + "v 1 2\n")
+        error = self.json("simulate", "--scene", scene, code=7)["error"]
+        self.assertIn("scene: mesh: ", error["message"])
+        (self.work / "large.obj").write_text("time,force\n")
+        self.assertIn("does not begin like", self.json("simulate", "--scene", scene, code=2)["error"]["message"])
 
     def test_bad_scenes_are_refused_before_they_run(self):
         cases = (

@@ -150,6 +150,7 @@ Expected<void> FrameCollector::add(const mechanics::SceneFrame& frame) {
                                                                               : 2);
   set_.net_force_N.push_back(frame.net_force_N);
   set_.contact_violation_m.push_back(frame.contact_violation_m);
+  set_.limit_violation.push_back(frame.limit_violation);
   set_.gravity_factor.push_back(frame.levels.gravity_factor);
   set_.pressure_Pa.push_back(frame.levels.pressure_Pa);
   set_.potential_J.push_back(frame.energy_J);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/base/atomic_write.h"
+#include "common/base/text_file.h"
 #include "common/frames/frames_file.h"
 #include "common/model/document.h"
 #include "common/scene/document.h"
@@ -16,6 +17,20 @@ namespace {
 
 using mechanics::SceneEnd;
 using nlohmann::json;
+
+/// The bytes of the mesh file that the scene names, which came as the job's only capture.
+Expected<void> take_mesh(const JobInput& input, scene::Scene& scene) {
+  auto* file = std::get_if<scene::FileMesh>(&scene.mesh);
+  if (file == nullptr) return {};
+  for (const auto& [sha256, path] : input.captures) {
+    if (sha256 != file->sha256) continue;
+    auto bytes = read_text_file(path.string(), scene::kMaxMeshBytes);
+    if (!bytes) return tl::unexpected(bytes.error());
+    file->bytes = std::move(*bytes);
+    return {};
+  }
+  return bad_input("mesh: the job has no file " + file->sha256.substr(0, 12));
+}
 
 /// "closer, frame 3 of 15"
 std::string words_of(const scene::Scene& scene, int frame) {
@@ -36,8 +51,10 @@ Expected<void> run_scene(const JobInput& input, const json& spec,
                          const std::function<void(const JobProgress&)>& report,
                          const std::stop_token& stop) {
   const std::string scene_json = spec.at("scene").dump();
-  const auto scene = scene::parse_scene(scene_json, "scene");
+  auto scene = scene::parse_scene(scene_json, "scene");
   if (!scene) return tl::unexpected(scene.error());
+  if (auto taken = take_mesh(input, *scene); !taken)
+    return fail(taken.error().kind, "scene: " + taken.error().message);
   const auto model = model::parse_model(spec.at("model").dump(), "model");
   if (!model) return tl::unexpected(model.error());
   if (spec.contains("options") && !spec["options"].empty())

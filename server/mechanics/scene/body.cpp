@@ -85,14 +85,13 @@ Expected<SceneBody> body_of(const scene::BoxMesh& box, const scene::Scene& scene
 }
 
 Expected<SceneBody> body_of(const scene::FileMesh& file, const scene::Scene& scene) {
-  if (file.text.empty())
-    return bad_input("\"" + file.path + "\" is only named; a job needs the text of the file");
+  if (file.bytes.empty()) return bad_input("the file is empty, or it was only named");
   if (file.is_msh) {
-    auto read = read_msh(file.text, file.metres_per_unit);
+    auto read = read_msh(file.bytes, file.metres_per_unit);
     if (!read) return tl::unexpected(read.error());
     return solid(std::move(read->mesh), scene);
   }
-  const auto read = read_surface_text(file.text, file.metres_per_unit);
+  const auto read = read_surface_text(file.bytes, file.metres_per_unit);
   if (!read) return tl::unexpected(read.error());
   auto mesh = surface_mesh(*read, file.metres_per_texture_unit);
   if (!mesh) return tl::unexpected(mesh.error());

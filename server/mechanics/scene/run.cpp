@@ -1,19 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/mechanics/scene/run.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace tenter::mechanics {
 namespace {
-
-Eigen::VectorXd parameters_of(const model::Model& model) {
-  std::vector<double> values;
-  for (const model::Term& term : model.terms)
-    for (const model::Parameter& p : term.law.parameters) values.push_back(p.value);
-  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
 
 EquilibriumOptions options_of(const scene::Solver& solver) {
   EquilibriumOptions options;
@@ -50,7 +42,7 @@ Expected<SceneRun> SceneRun::make(const scene::Scene& scene, const model::Model&
   auto solver = EquilibriumSolver::make(*run.model_, run.set_up_.boundary, run.set_up_.obstacles);
   if (!solver) return tl::unexpected(solver.error());
   run.solver_ = std::make_unique<EquilibriumSolver>(std::move(*solver));
-  run.parameters_ = parameters_of(model);
+  run.parameters_ = term_parameters(model);
   run.options_ = options_of(scene.solver);
   return run;
 }
@@ -116,6 +108,7 @@ Expected<bool> SceneRun::finish(const Levels& levels, const State& state, SceneF
   frame.stability = last_.stability;
   frame.net_force_N = last_.last.net_force_N;
   frame.contact_violation_m = last_.contact_violation_m;
+  frame.limit_violation = last_.limit_violation;
   Eigen::VectorXd by_node = last_.by_node;
   if (!set_up_.boundary.pressed.empty())
     by_node -= rim_force_N(set_up_.boundary, levels.pressure_Pa, state.x);

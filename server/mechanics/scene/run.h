@@ -48,7 +48,8 @@ struct SceneFrame {
   Stability stability = Stability::not_checked;
   double net_force_N = 0.0;
   double contact_violation_m = 0.0;
-  int steps = 1;  ///< equilibria on the way here; 1: the step was not cut
+  double limit_violation = 0.0;  ///< of the model's energy limits, in parts of psi_max
+  int steps = 1;                 ///< equilibria on the way here; 1: the step was not cut
   int iterations = 0;
   int factorisations = 0;
 };

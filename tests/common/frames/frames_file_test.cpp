@@ -43,6 +43,7 @@ FrameSet two_frames() {
   f.stability = {0, 1};
   f.net_force_N = {1e-6, 2e-6};
   f.contact_violation_m = {0, 0};
+  f.limit_violation = {0, 1e-7};
   f.gravity_factor = {1, 1};
   f.pressure_Pa = {0, 3};
   f.potential_J = {-1, -2};
@@ -109,6 +110,7 @@ TEST_F(FramesFile, HoldsEveryListWithItsUnit) {
       {"/entry/strains/01_both<_triangle/share", {2}, f.strains[0].share, "m^2"},
       {"/entry/strains/02_bend_hinge/strain", {2, 1}, f.strains[1].values[0], "1/m"},
       {"/entry/solution/net_force", {2}, f.net_force_N, "N"},
+      {"/entry/solution/limit_violation", {2}, f.limit_violation, "1"},
       {"/entry/solution/pressure", {2}, f.pressure_Pa, "Pa"},
       {"/entry/solution/steps", {2}, {1, 2}, ""},
       {"/entry/solution/phase", {2}, {-1, 0}, ""},

@@ -224,7 +224,17 @@ TEST(SceneDocument, TheSchemaFileKnowsTheSameKeys) {
   EXPECT_EQ(scene["protocol"][0].size(), schema["$defs"]["phase"]["properties"].size());
 }
 
-class SceneFile : public ::testing::Test {
+TEST(MeshFormat, IsKnownByHowAFileBegins) {
+  EXPECT_EQ(mesh_format("# made by hand\n\nv 0 0 0\n"), "obj");
+  EXPECT_EQ(mesh_format("mtllib a.mtl\r\nv 0 0 0\r\n"), "obj");
+  EXPECT_EQ(mesh_format("ply\nformat ascii 1.0\n"), "ply");
+  EXPECT_EQ(mesh_format("$MeshFormat\n4.1 0 8\n"), "msh");
+  for (const char* other :
+       {"", "# only words\n", "v,force\n1,2\n", "time force\n", "vertex 1\n", "\x89HDF\r\n", "f"})
+    EXPECT_EQ(mesh_format(other), "") << other;
+}
+
+class SceneFiles : public ::testing::Test {
  protected:
   void SetUp() override {
     std::string pattern = (std::filesystem::temp_directory_path() / "tenter-scene-XXXXXX").string();
@@ -244,30 +254,34 @@ class SceneFile : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(SceneFile, TakesItsMeshWithIt) {
-  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-  put("cloth.obj", obj);
-  const auto text = load_self_contained(put("a.scene.json", with_mesh("cloth.obj")));
-  ASSERT_TRUE(text) << text.error().message;
-  const auto scene = parse_scene(*text, "sent");
+TEST_F(SceneFiles, NameTheirMeshBySha256WhenTheyAreSent) {
+  const std::string mesh_file = put("cloth.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto file = read_scene_file(put("a.scene.json", with_mesh("cloth.obj")));
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_EQ(file->mesh_file, mesh_file);
+  const std::string sha256(64, 'a');
+  const auto scene = parse_scene(with_stored_mesh(file->text, sha256), "sent");
   ASSERT_TRUE(scene) << scene.error().message;
   const auto& mesh = std::get<FileMesh>(scene->mesh);
-  EXPECT_EQ(mesh.text, obj);
+  EXPECT_EQ(mesh.sha256, sha256);
   EXPECT_TRUE(mesh.path.empty());
   EXPECT_FALSE(mesh.is_msh);
   EXPECT_EQ(mesh.metres_per_unit, 0.001);
 }
 
-TEST_F(SceneFile, SaysWhatIsWrongWithItsMesh) {
+TEST_F(SceneFiles, SayWhatIsWrongWithTheirMesh) {
   const auto complaint = [this](const std::string& path) {
-    const auto text = load_self_contained(put("a.scene.json", with_mesh(path)));
-    return text ? "accepted" : text.error().message;
+    const auto file = read_scene_file(put("a.scene.json", with_mesh(path)));
+    return file ? "accepted" : file.error().message;
   };
   EXPECT_NE(complaint("cloth.stl").find("mesh.path: must end in .obj, .ply or .msh"),
             std::string::npos);
   EXPECT_NE(complaint("nowhere.obj").find("nowhere.obj"), std::string::npos);
-  put("binary.ply", std::string("ply\nformat binary_little_endian 1.0\n\0\1\2", 39));
-  EXPECT_NE(complaint("binary.ply").find("is a binary file; save it as text"), std::string::npos);
+  put("table.obj", "time,force\n1,2\n");
+  EXPECT_NE(complaint("table.obj").find("does not begin like a file of OBJ or PLY"),
+            std::string::npos);
+  put("binary.ply", "ply\nformat binary_little_endian 1.0\n");
+  EXPECT_EQ(complaint("binary.ply"), "accepted");
 }
 
 }  // namespace

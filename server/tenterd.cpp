@@ -12,6 +12,7 @@
 #include <fstream>
 
 #include "common/model/document.h"
+#include "common/scene/document.h"
 #include "server/service/capture_inspector.h"
 #include "server/service/daemon_config.h"
 #include "server/service/service.h"
@@ -113,6 +114,11 @@ Expected<void> complete(Arguments& arguments) {
   config.jobs.check_model = [](std::string_view text) -> Expected<void> {
     auto model = tenter::model::parse_model(text, "model");
     if (!model) return tl::unexpected(model.error());
+    return {};
+  };
+  config.jobs.check_scene = [](std::string_view text) -> Expected<void> {
+    auto scene = tenter::scene::parse_scene(text, "scene");
+    if (!scene) return tl::unexpected(scene.error());
     return {};
   };
   return {};

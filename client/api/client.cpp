@@ -192,6 +192,13 @@ Expected<std::uint64_t> Client::fetch_residuals(const std::string& job_id,
   return download(*impl_->connection, {job_id, "residuals.h5", {}}, destination, progress, stop);
 }
 
+Expected<std::uint64_t> Client::fetch_frames(const std::string& job_id,
+                                             const std::filesystem::path& destination,
+                                             const TransferCallback& progress,
+                                             const std::stop_token& stop) {
+  return download(*impl_->connection, {job_id, "frames.h5", {}}, destination, progress, stop);
+}
+
 Expected<std::string> Client::request(const std::string& operation, const std::string& body_json) {
   auto text = impl_->connection->request(operation, body_json);
   if (!text) return tl::unexpected(text.error());

@@ -151,6 +151,12 @@ class Client {
                                           const TransferCallback& progress = {},
                                           const std::stop_token& stop = {});
 
+  /// frames.h5 of a simulated scene.
+  Expected<std::uint64_t> fetch_frames(const std::string& job_id,
+                                       const std::filesystem::path& destination,
+                                       const TransferCallback& progress = {},
+                                       const std::stop_token& stop = {});
+
   /// One request by name with a JSON object as body, for operations this header does not wrap.
   Expected<std::string> request(const std::string& operation, const std::string& body_json);
 

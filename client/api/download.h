@@ -13,7 +13,7 @@ namespace tenter::client {
 /// What to fetch: a file of a job, or a capture.
 struct RemoteFile {
   std::string job_id;
-  std::string file;     ///< "result.json", "residuals.h5"
+  std::string file;     ///< "result.json", "residuals.h5", "frames.h5"
   std::string capture;  ///< SHA-256; then the others are empty
 };
 

@@ -20,11 +20,13 @@ constexpr const char* kDescription =
     "be right, from "
     "measured data. A server (tenterd) keeps captures and runs jobs; this command talks to it over "
     "DDS. Commands "
-    "on files alone (capture import, validate, show, export; model) need no server.\n"
+    "on files alone (capture import, validate, show, export; model; scene) need no server.\n"
     "\n"
     "A capture is one specimen under one protocol, in one file. A model is a list of terms in a "
     "JSON document. A job "
-    "fits a model to captures, simulates them, or diagnoses what the model misses.\n"
+    "fits a model to captures, simulates them, or diagnoses what the model misses; it also "
+    "simulates "
+    "scenes: a mesh, what holds and pulls it, and a protocol.\n"
     "\n"
     "With --json every command prints exactly one JSON value on standard output; an error is "
     "{\"error\": {\"kind\", "
@@ -121,6 +123,7 @@ std::unique_ptr<CLI::App> make_app(Context& context) {
   add_report(*app, context);
   add_capture(*app, context);
   add_model(*app, context);
+  add_scene(*app, context);
   add_job(*app, context);
   add_server(*app, context);
   add_completion(*app, context);

@@ -20,6 +20,9 @@ constexpr std::uint64_t kDeflateBest = 1040;
 
 /// What is read must be an element type that HDF5 turns into `wanted` without guessing.
 enum class Wanted { real, integer, text };
+enum class Extent { scalar, list, table };
+
+constexpr int kMostDimensions = 4;
 
 const char* word(Wanted wanted) {
   switch (wanted) {
@@ -100,18 +103,36 @@ struct H5Reader::Impl {
     return size;
   }
 
-  /// Number of elements: 1 for a scalar, the length of a one-dimensional dataset.
-  Expected<std::uint64_t> element_count(hid_t space, bool scalar, const std::string& object) const {
+  /// No dimensions for a scalar, the length of a one-dimensional dataset, all of a table.
+  Expected<std::vector<std::uint64_t>> shape_of(hid_t space, Extent extent,
+                                                const std::string& object) const {
     const H5S_class_t kind = H5Sget_simple_extent_type(space);
-    if (scalar) {
+    if (extent == Extent::scalar) {
       if (kind != H5S_SCALAR) return complaint(object, "must be a single value");
-      return 1;
+      return std::vector<std::uint64_t>{};
     }
-    hsize_t length = 0;
-    if (kind != H5S_SIMPLE || H5Sget_simple_extent_ndims(space) != 1 ||
-        H5Sget_simple_extent_dims(space, &length, nullptr) != 1)
+    const int rank = kind == H5S_SIMPLE ? H5Sget_simple_extent_ndims(space) : 0;
+    if (extent == Extent::list && rank != 1)
       return complaint(object, "must be a one-dimensional list");
-    return length;
+    if (rank < 1 || rank > kMostDimensions)
+      return complaint(object,
+                       "must be a list of 1 to " + std::to_string(kMostDimensions) + " dimensions");
+    std::array<hsize_t, kMostDimensions> lengths{};
+    if (H5Sget_simple_extent_dims(space, lengths.data(), nullptr) != rank)
+      return complaint(object, "cannot be read; the file is damaged");
+    return std::vector<std::uint64_t>(lengths.begin(), lengths.begin() + rank);
+  }
+
+  /// Number of elements; 1 for a scalar.
+  Expected<std::uint64_t> element_count(const std::vector<std::uint64_t>& shape,
+                                        const std::string& object) const {
+    std::uint64_t count = 1;
+    for (const std::uint64_t length : shape) {
+      if (length > 0 && count > (std::uint64_t{1} << 60) / length)
+        return complaint(object, "claims more values than any memory holds");
+      count *= length;
+    }
+    return count;
   }
 
   Expected<void> affordable(std::uint64_t count, std::uint64_t size,
@@ -123,22 +144,48 @@ struct H5Reader::Impl {
     return {};
   }
 
+  /// A stack of datasets: all of this file, which are checked by HDF5 as they are read.
+  Expected<void> believable_stack(const Handle& properties, std::uint64_t claim,
+                                  const std::string& object) const {
+    std::size_t parts = 0;
+    if (H5Pget_virtual_count(properties.get(), &parts) < 0)
+      return complaint(object, "cannot be read; the file is damaged");
+    for (std::size_t i = 0; i < parts; ++i) {
+      std::array<char, 4> source{};
+      if (H5Pget_virtual_filename(properties.get(), i, source.data(), source.size()) != 1 ||
+          source[0] != '.')
+        return complaint(object, "is stored outside the file");
+    }
+    if (claim / kDeflateBest > file_bytes)
+      return complaint(object,
+                       "claims " + megabytes(claim) + " but the file has " + megabytes(file_bytes));
+    return {};
+  }
+
   /// The claim of a dataset against what the file stores of it.
-  Expected<void> believable(hid_t dataset, std::uint64_t count, std::uint64_t size,
+  Expected<void> believable(hid_t dataset, std::uint64_t count, std::uint64_t size, Extent extent,
                             const std::string& object) const {
     const std::uint64_t claim = count * size;
     const std::uint64_t stored = H5Dget_storage_size(dataset);
     const Handle properties(H5Dget_create_plist(dataset));
     const H5D_layout_t layout = properties ? H5Pget_layout(properties.get()) : H5D_LAYOUT_ERROR;
+    if (layout == H5D_VIRTUAL && extent == Extent::table)
+      return believable_stack(properties, claim, object);
     if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
       return complaint(object, "is stored in a way that captures do not use");
     if (layout == H5D_CONTIGUOUS && H5Pget_external_count(properties.get()) != 0)
       return complaint(object, "is stored outside the file");
     std::uint64_t best = 1;
     if (layout == H5D_CHUNKED) {
-      hsize_t chunk = 0;
-      if (H5Pget_chunk(properties.get(), 1, &chunk) != 1 || chunk == 0 ||
-          chunk > limits.chunk_bytes / size)
+      std::array<hsize_t, kMostDimensions> chunk{};
+      const int rank = H5Pget_chunk(properties.get(), kMostDimensions, chunk.data());
+      std::uint64_t elements = rank >= 1 && rank <= kMostDimensions ? 1 : 0;
+      const std::uint64_t most = limits.chunk_bytes / size;
+      for (int i = 0; elements > 0 && i < rank; ++i) {
+        const hsize_t length = chunk[static_cast<std::size_t>(i)];
+        elements = length > 0 && elements <= most / length ? elements * length : 0;
+      }
+      if (elements == 0)
         return complaint(object, "claims chunks larger than " + megabytes(limits.chunk_bytes));
       best = kDeflateBest;
     }
@@ -155,25 +202,35 @@ struct H5Reader::Impl {
     std::vector<char> bytes;
     std::uint64_t count = 0;
     std::size_t size = 0;
+    std::vector<std::uint64_t> shape = {};
   };
-  Expected<Raw> read(const std::string& path, Wanted wanted, bool scalar) const {
-    const std::lock_guard lock(library_lock());
+  Expected<Handle> open_dataset(const std::string& path) const {
     if (auto ok = require(path); !ok) return tl::unexpected(ok.error());
-    const Handle dataset(H5Oopen(file.get(), path.c_str(), H5P_DEFAULT));
+    Handle dataset(H5Oopen(file.get(), path.c_str(), H5P_DEFAULT));
     if (!dataset) return complaint(path, "cannot be opened; the file is damaged");
     if (H5Iget_type(dataset.get()) != H5I_DATASET) return complaint(path, "must be a dataset");
+    return dataset;
+  }
+  Expected<Raw> read(const std::string& path, Wanted wanted, Extent extent) const {
+    const std::lock_guard lock(library_lock());
+    const Expected<Handle> opened = open_dataset(path);
+    if (!opened) return tl::unexpected(opened.error());
+    const Handle& dataset = *opened;
     const Handle type(H5Dget_type(dataset.get()));
     const Handle space(H5Dget_space(dataset.get()));
     if (!type || !space) return complaint(path, "cannot be read; the file is damaged");
     const auto size = element_size(type.get(), wanted, path);
     if (!size) return tl::unexpected(size.error());
-    const auto count = element_count(space.get(), scalar, path);
+    auto shape = shape_of(space.get(), extent, path);
+    if (!shape) return tl::unexpected(shape.error());
+    const auto count = element_count(*shape, path);
     if (!count) return tl::unexpected(count.error());
     const std::uint64_t in_memory = wanted == Wanted::text ? *size : 8;
     if (auto ok = affordable(*count, in_memory, path); !ok) return tl::unexpected(ok.error());
-    if (auto ok = believable(dataset.get(), *count, *size, path); !ok)
+    if (auto ok = believable(dataset.get(), *count, *size, extent, path); !ok)
       return tl::unexpected(ok.error());
-    Raw raw{std::vector<char>(*count * in_memory), *count, static_cast<std::size_t>(in_memory)};
+    Raw raw{std::vector<char>(*count * in_memory), *count, static_cast<std::size_t>(in_memory),
+            std::move(*shape)};
     if (*count > 0 && H5Dread(dataset.get(), memory_type(type.get(), wanted), H5S_ALL, H5S_ALL,
                               H5P_DEFAULT, raw.bytes.data()) < 0)
       return complaint(path, "cannot be read: a checksum fails or the file is damaged");
@@ -195,8 +252,8 @@ struct H5Reader::Impl {
     if (!type || !space) return complaint(object, "cannot be read; the file is damaged");
     const auto size = element_size(type.get(), wanted, object);
     if (!size) return tl::unexpected(size.error());
-    if (auto count = element_count(space.get(), true, object); !count)
-      return tl::unexpected(count.error());
+    if (auto shape = shape_of(space.get(), Extent::scalar, object); !shape)
+      return tl::unexpected(shape.error());
     const std::size_t in_memory = wanted == Wanted::text ? *size : 8;
     Raw raw{std::vector<char>(in_memory), 1, in_memory};
     if (H5Aread(attribute.get(), memory_type(type.get(), wanted), raw.bytes.data()) < 0)
@@ -287,31 +344,31 @@ Expected<std::vector<std::string>> H5Reader::members(const std::string& group) c
 }
 
 Expected<std::string> H5Reader::text(const std::string& path) const {
-  auto raw = impl_->read(path, Wanted::text, true);
+  auto raw = impl_->read(path, Wanted::text, Extent::scalar);
   if (!raw) return tl::unexpected(raw.error());
   return Impl::text_at(*raw, 0);
 }
 
 Expected<double> H5Reader::number(const std::string& path) const {
-  auto raw = impl_->read(path, Wanted::real, true);
+  auto raw = impl_->read(path, Wanted::real, Extent::scalar);
   if (!raw) return tl::unexpected(raw.error());
   return Impl::as<double>(*raw)[0];
 }
 
 Expected<std::int64_t> H5Reader::integer(const std::string& path) const {
-  auto raw = impl_->read(path, Wanted::integer, true);
+  auto raw = impl_->read(path, Wanted::integer, Extent::scalar);
   if (!raw) return tl::unexpected(raw.error());
   return Impl::as<std::int64_t>(*raw)[0];
 }
 
 Expected<std::vector<double>> H5Reader::doubles(const std::string& path) const {
-  auto raw = impl_->read(path, Wanted::real, false);
+  auto raw = impl_->read(path, Wanted::real, Extent::list);
   if (!raw) return tl::unexpected(raw.error());
   return Impl::as<double>(*raw);
 }
 
 Expected<std::vector<int>> H5Reader::ints(const std::string& path) const {
-  auto raw = impl_->read(path, Wanted::integer, false);
+  auto raw = impl_->read(path, Wanted::integer, Extent::list);
   if (!raw) return tl::unexpected(raw.error());
   std::vector<int> values;
   values.reserve(raw->count);
@@ -324,12 +381,27 @@ Expected<std::vector<int>> H5Reader::ints(const std::string& path) const {
 }
 
 Expected<std::vector<std::string>> H5Reader::texts(const std::string& path) const {
-  auto raw = impl_->read(path, Wanted::text, false);
+  auto raw = impl_->read(path, Wanted::text, Extent::list);
   if (!raw) return tl::unexpected(raw.error());
   std::vector<std::string> values;
   values.reserve(raw->count);
   for (std::size_t i = 0; i < raw->count; ++i) values.push_back(Impl::text_at(*raw, i));
   return values;
+}
+
+Expected<H5Reader::Table> H5Reader::table(const std::string& path) const {
+  auto raw = impl_->read(path, Wanted::real, Extent::table);
+  if (!raw) return tl::unexpected(raw.error());
+  return Table{raw->shape, Impl::as<double>(*raw)};
+}
+
+Expected<std::vector<std::uint64_t>> H5Reader::shape(const std::string& path) const {
+  const std::lock_guard lock(library_lock());
+  const Expected<Handle> dataset = impl_->open_dataset(path);
+  if (!dataset) return tl::unexpected(dataset.error());
+  const Handle space(H5Dget_space(dataset->get()));
+  if (!space) return complaint(path, "cannot be read; the file is damaged");
+  return impl_->shape_of(space.get(), Extent::table, path);
 }
 
 Expected<bool> H5Reader::has_attribute(const std::string& path, const std::string& name) const {

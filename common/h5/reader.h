@@ -44,6 +44,16 @@ class H5Reader {
   Expected<std::vector<int>> ints(const std::string& path) const;
   Expected<std::vector<std::string>> texts(const std::string& path) const;
 
+  /// A list of any number of dimensions (up to 4), the last one running fastest; also one stacked
+  /// of others of the same file (H5Writer::stack).
+  struct Table {
+    std::vector<std::uint64_t> shape;
+    std::vector<double> values;
+  };
+  Expected<Table> table(const std::string& path) const;
+  /// Its shape alone.
+  Expected<std::vector<std::uint64_t>> shape(const std::string& path) const;
+
   Expected<bool> has_attribute(const std::string& path, const std::string& name) const;
   Expected<std::string> text_attribute(const std::string& path, const std::string& name) const;
   Expected<double> number_attribute(const std::string& path, const std::string& name) const;

@@ -43,6 +43,18 @@ class H5Writer {
   void array(const std::string& path, const std::vector<int>& values);
   void array(const std::string& path, const std::vector<std::string>& values);
 
+  /// Of several dimensions, the last one running fastest; `shape` multiplies to the number of
+  /// values. One chunk never spans two entries of the first dimension where these are large.
+  void array(const std::string& path, const std::vector<double>& values,
+             const std::vector<std::size_t>& shape, const std::string& unit);
+  void array(const std::string& path, const std::vector<int>& values,
+             const std::vector<std::size_t>& shape);
+
+  /// Datasets of one shape seen as one of a dimension more (a virtual dataset): entry i is
+  /// `parts[i]`. Nothing is stored twice.
+  void stack(const std::string& path, const std::vector<std::string>& parts,
+             const std::vector<std::size_t>& part_shape, const std::string& unit);
+
   // attributes of an existing object
   void attribute(const std::string& path, const std::string& name, const std::string& value);
   void attribute(const std::string& path, const std::string& name,

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading walks the document with a Node that knows its own path. A bad key ends the walk at once:
-// BadKey is thrown and caught in this file only, and becomes the Error of parse_model.
 #include <algorithm>
-#include <cmath>
-#include <initializer_list>
-#include <nlohmann/json.hpp>
-#include <set>
 
+#include "common/base/json_node.h"
 #include "common/model/catalogue.h"
 #include "common/model/document.h"
 
@@ -14,110 +9,7 @@ namespace tenter::model {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-struct BadKey {
-  std::string message;
-};
-
-/// A value of the document and the path that leads to it.
-class Node {
- public:
-  Node(const Json& json, std::string path) : json_(&json), path_(std::move(path)) {}
-
-  [[noreturn]] void refuse(const std::string& reason) const {
-    throw BadKey{path_.empty() ? reason : path_ + ": " + reason};
-  }
-
-  bool is_null() const { return json_->is_null(); }
-  bool is_object() const { return json_->is_object(); }
-  const std::string& path() const { return path_; }
-
-  /// Refuses anything but an object with these keys.
-  void expect_object(std::initializer_list<std::string_view> keys) const {
-    expect_object();
-    for (const auto& [key, value] : json_->items())
-      if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
-        std::string known;
-        for (const std::string_view k : keys) known += (known.empty() ? "" : ", ") + std::string(k);
-        child(key).refuse("unknown key; known here are " + known);
-      }
-  }
-  void expect_object() const {
-    if (!json_->is_object()) refuse(must_be("an object"));
-  }
-
-  bool has(const char* key) const { return json_->contains(key); }
-  Node child(const std::string& key) const {
-    const auto found = json_->find(key);
-    return Node(found == json_->end() ? *json_ : *found, path_.empty() ? key : path_ + "." + key);
-  }
-  Node operator[](const char* key) const {
-    if (!has(key)) refuse("the key '" + std::string(key) + "' is missing");
-    return child(key);
-  }
-  std::vector<std::string> keys() const {
-    std::vector<std::string> names;
-    for (const auto& item : json_->items()) names.push_back(item.key());
-    return names;
-  }
-  std::vector<Node> list() const {
-    if (!json_->is_array()) refuse(must_be("a list"));
-    std::vector<Node> nodes;
-    for (std::size_t i = 0; i < json_->size(); ++i)
-      nodes.emplace_back((*json_)[i], path_ + "[" + std::to_string(i) + "]");
-    return nodes;
-  }
-
-  std::string text() const {
-    if (!json_->is_string()) refuse(must_be("a string"));
-    return json_->get<std::string>();
-  }
-  double number() const {
-    if (!json_->is_number()) refuse(must_be("a number"));
-    return json_->get<double>();
-  }
-  bool is_number() const { return json_->is_number(); }
-  bool is_text() const { return json_->is_string(); }
-  /// A whole number from 1 on.
-  int index() const {
-    const double value = number();
-    if (!(value >= 1.0 && value <= 1e6) || value != std::floor(value))
-      refuse("must be a whole number from 1 on");
-    return static_cast<int>(value);
-  }
-  bool boolean() const {
-    if (!json_->is_boolean()) refuse(must_be("true or false"));
-    return json_->get<bool>();
-  }
-  std::optional<double> number_or_null() const {
-    if (is_null()) return std::nullopt;
-    return number();
-  }
-  std::pair<double, double> pair() const {
-    const std::vector<Node> ends = list();
-    if (ends.size() != 2) refuse("must hold two numbers");
-    return {ends[0].number(), ends[1].number()};
-  }
-  std::string text_or(const char* key, const std::string& otherwise) const {
-    return has(key) ? child(key).text() : otherwise;
-  }
-  std::vector<std::string> texts() const {
-    std::vector<std::string> values;
-    for (const Node& node : list()) values.push_back(node.text());
-    return values;
-  }
-
- private:
-  std::string must_be(const char* what) const {
-    const std::string found = json_->type_name();
-    const char* article = json_->is_null() ? "" : json_->is_structured() ? "an " : "a ";
-    return std::string("must be ") + what + ", not " + article + found;
-  }
-
-  const Json* json_;
-  std::string path_;
-};
+using Node = JsonNode;
 
 void read_parameter(const Node& node, Parameter& parameter) {
   if (node.is_number()) {
@@ -309,49 +201,14 @@ Model read_model(const Node& root) {
   return model;
 }
 
-std::string line_and_column(std::string_view text, std::size_t byte) {
-  const std::string_view before = text.substr(0, std::min(byte, text.size()));
-  const auto line = std::count(before.begin(), before.end(), '\n') + 1;
-  const std::size_t start = before.rfind('\n');
-  const std::size_t column =
-      start == std::string_view::npos ? before.size() : before.size() - start - 1;
-  return "line " + std::to_string(line) + ", column " +
-         std::to_string(std::max<std::size_t>(column, 1));
-}
-
-/// JSON allows a key twice in one object and keeps the last; here that is a mistake of the writer.
-Json parse_json(std::string_view text) {
-  std::vector<std::set<std::string>> seen;
-  const Json::parser_callback_t watch = [&seen](int, Json::parse_event_t event, Json& value) {
-    if (event == Json::parse_event_t::object_start) seen.emplace_back();
-    if (event == Json::parse_event_t::object_end) seen.pop_back();
-    if (event == Json::parse_event_t::key && !seen.back().insert(value.get<std::string>()).second)
-      throw BadKey{"the key '" + value.get<std::string>() + "' appears twice in one object"};
-    return true;
-  };
-  return Json::parse(text, watch);
-}
-
 }  // namespace
 
 Expected<Model> parse_model(std::string_view json_text, std::string_view source_name) {
-  const std::string source = std::string(source_name) + ": ";
-  if (json_text.size() > kMaxDocumentBytes)
-    return bad_input(source + "a model document may have 4 MiB, this one has " +
-                     std::to_string(json_text.size()) + " bytes");
-  try {
-    const Json json = parse_json(json_text);
-    Model model = read_model(Node(json, ""));
-    if (auto checked = validate(model); !checked)
-      return fail(checked.error().kind, source + checked.error().message);
-    return model;
-  } catch (const BadKey& bad) {
-    return bad_input(source + bad.message);
-  } catch (const nlohmann::detail::parse_error& broken) {
-    return bad_input(source + "is not JSON, see " + line_and_column(json_text, broken.byte));
-  } catch (const nlohmann::detail::exception&) {
-    return bad_input(source + "holds a number that is too large, or text that is not UTF-8");
-  }
+  auto model = read_document(json_text, source_name, kMaxDocumentBytes, read_model);
+  if (!model) return model;
+  if (auto checked = validate(*model); !checked)
+    return fail(checked.error().kind, std::string(source_name) + ": " + checked.error().message);
+  return model;
 }
 
 }  // namespace tenter::model

@@ -167,7 +167,7 @@ void JobService::stop() {
 // --- jobs
 
 Expected<Submitted> JobService::submit(const SubmitRequest& request) {
-  auto spec = parse_spec(request.spec_json, impl_->config.check_model);
+  auto spec = parse_spec(request.spec_json, impl_->config.check_model, impl_->config.check_scene);
   if (!spec) return tl::unexpected(spec.error());
   auto submitted = impl_->queue->submit(request, *spec);
   if (submitted && !submitted->repeated) impl_->scheduler->wake();
@@ -226,6 +226,16 @@ Expected<StoredFile> JobService::residuals(JobId job) {
     return fail(ErrorKind::not_found, "job " + job_id_text(job) + " left no residuals");
   }
   return impl_->object(stored->residuals_sha256, stored->residuals_bytes);
+}
+
+Expected<StoredFile> JobService::frames(JobId job) {
+  auto stored = impl_->queue->stored_result(job);
+  if (!stored) return tl::unexpected(stored.error());
+  if (stored->frames_sha256.empty()) {
+    return fail(ErrorKind::not_found,
+                "job " + job_id_text(job) + " left no frames: only a simulated scene has them");
+  }
+  return impl_->object(stored->frames_sha256, stored->frames_bytes);
 }
 
 Expected<JobLog> JobService::log(JobId job, std::size_t bytes) const {

@@ -55,6 +55,8 @@ struct ServiceConfig {
   std::function<Expected<CaptureSummary>(const std::filesystem::path&)> inspect_capture;
   /// Checks the "model" member of a specification (JSON text). Empty: only its form is checked.
   std::function<Expected<void>(std::string_view)> check_model;
+  /// The same for "scene".
+  std::function<Expected<void>(std::string_view)> check_scene;
   /// One line about trouble that has no caller to tell (a full disk met by the scheduler). Any
   /// thread.
   std::function<void(const std::string&)> log;
@@ -112,9 +114,10 @@ class JobService {
   Expected<JobRecord> retry(const std::string& user, const std::string& request_id, JobId job);
   Expected<std::vector<JobEvent>> events(JobId job, std::int64_t after_number = 0,
                                          int limit = 1000) const;
-  /// result.json, or residuals.h5.
+  /// result.json, residuals.h5, or frames.h5.
   Expected<StoredFile> result(JobId job);
   Expected<StoredFile> residuals(JobId job);
+  Expected<StoredFile> frames(JobId job);
   Expected<JobLog> log(JobId job, std::size_t bytes = 32768) const;
 
   // --- captures: see uploads.h for the transfer

@@ -62,6 +62,8 @@ struct StoredResult {
   std::uint64_t result_bytes = 0;
   std::string residuals_sha256;  ///< "": the job left none
   std::uint64_t residuals_bytes = 0;
+  std::string frames_sha256 = {};  ///< the same
+  std::uint64_t frames_bytes = 0;
 };
 
 /// One run of one job.

@@ -114,8 +114,8 @@ Expected<StoredResult> Queue::stored_result(JobId job) const {
   return as_expected([&]() -> Expected<StoredResult> {
     const std::lock_guard lock(read_mutex_);
     Statement find = reader_->prepare(
-        "SELECT state, result_sha256, result_bytes, residuals_sha256, residuals_bytes FROM jobs "
-        "WHERE id = ?");
+        "SELECT state, result_sha256, result_bytes, residuals_sha256, residuals_bytes, "
+        "frames_sha256, frames_bytes FROM jobs WHERE id = ?");
     find.bind(1, job);
     if (!find.step())
       return tenter::fail(ErrorKind::not_found, "there is no job " + job_id_text(job));
@@ -123,8 +123,9 @@ Expected<StoredResult> Queue::stored_result(JobId job) const {
       return tenter::fail(ErrorKind::refused,
                           "job " + job_id_text(job) + " is " + find.text(0) + " and has no result");
     }
-    return StoredResult{find.text(1), static_cast<std::uint64_t>(find.integer(2)), find.text(3),
-                        static_cast<std::uint64_t>(find.integer(4))};
+    return StoredResult{find.text(1), static_cast<std::uint64_t>(find.integer(2)),
+                        find.text(3), static_cast<std::uint64_t>(find.integer(4)),
+                        find.text(5), static_cast<std::uint64_t>(find.integer(6))};
   });
 }
 
@@ -136,7 +137,7 @@ Expected<Usage> Queue::usage(const std::string& user) const {
         "SELECT (SELECT count(*) FROM jobs WHERE state = 'queued' AND user = ?1),"
         " (SELECT count(*) FROM jobs WHERE state = 'running' AND user = ?1),"
         " (SELECT coalesce(sum(size_bytes), 0) FROM captures WHERE user = ?1),"
-        " (SELECT coalesce(sum(result_bytes + residuals_bytes), 0) FROM jobs"
+        " (SELECT coalesce(sum(result_bytes + residuals_bytes + frames_bytes), 0) FROM jobs"
         "  WHERE user = ?1 AND state = 'succeeded' AND from_store = 0)");
     find.bind(1, std::string_view(user)).step();
     usage.queued = static_cast<int>(find.integer(0));
@@ -227,11 +228,11 @@ Expected<std::vector<std::string>> Queue::check_objects(
       }
     }
     Statement results = reader_->prepare(
-        "SELECT id, result_sha256, result_bytes, residuals_sha256, residuals_bytes FROM jobs"
-        " WHERE state = 'succeeded' AND from_store = 0");
+        "SELECT id, result_sha256, result_bytes, residuals_sha256, residuals_bytes,"
+        " frames_sha256, frames_bytes FROM jobs WHERE state = 'succeeded' AND from_store = 0");
     while (results.step()) {
-      for (const int column : {1, 3}) {
-        if (column == 3 && results.text(column).empty()) continue;
+      for (const int column : {1, 3, 5}) {
+        if (column > 1 && results.text(column).empty()) continue;
         const auto size = static_cast<std::uint64_t>(results.integer(column + 1));
         if (auto sound = check(results.text(column), size); !sound) {
           troubles.push_back("result of job " + job_id_text(results.integer(0)) + ": " +

@@ -10,7 +10,7 @@ const std::string kJobColumns =
     "id, kind, user, priority, state, revision, attempt, worker_deaths, max_attempts, retries, "
     "epoch,"
     " created_ms, started_ms, ended_ms, time_limit_s, memory_limit_bytes, error_kind, message,"
-    " from_store, spec_sha256, result_sha256, residuals_sha256";
+    " from_store, spec_sha256, result_sha256, residuals_sha256, frames_sha256";
 
 JobRecord job_from_row(const Statement& row) {
   JobRecord job;
@@ -37,6 +37,7 @@ JobRecord job_from_row(const Statement& row) {
   job.spec_sha256 = row.text(c++);
   job.result_sha256 = row.text(c++);
   job.residuals_sha256 = row.text(c++);
+  job.frames_sha256 = row.text(c++);
   if (error) job.error = Error{*error, job.message};
   job.state = state.value_or(JobState::failed);
   if (!state) job.error = Error{ErrorKind::internal, "the job's row in the database is damaged"};
@@ -153,32 +154,36 @@ void Queue::Change::settle(JobRecord& job, const StoredResult& result, bool from
   job.from_store = from_store;
   job.result_sha256 = result.result_sha256;
   job.residuals_sha256 = result.residuals_sha256;
+  job.frames_sha256 = result.frames_sha256;
   db().prepare(
           "UPDATE jobs SET engine=?, result_sha256=?, result_bytes=?, residuals_sha256=?, "
-          "residuals_bytes=? WHERE id=?")
+          "residuals_bytes=?, frames_sha256=?, frames_bytes=? WHERE id=?")
       .bind(1, std::string_view(config().engine))
       .bind(2, std::string_view(result.result_sha256))
       .bind(3, static_cast<std::int64_t>(result.result_bytes))
       .bind(4, std::string_view(result.residuals_sha256))
       .bind(5, static_cast<std::int64_t>(result.residuals_bytes))
-      .bind(6, job.id)
+      .bind(6, std::string_view(result.frames_sha256))
+      .bind(7, static_cast<std::int64_t>(result.frames_bytes))
+      .bind(8, job.id)
       .run();
   move(job, JobState::succeeded, "succeeded", from_store ? "taken from the store" : "");
 }
 
 std::optional<StoredResult> Queue::Change::find_stored(const std::string& spec_sha256) {
   Statement find = db().prepare(
-      "SELECT result_sha256, result_bytes, residuals_sha256, residuals_bytes FROM jobs"
-      " WHERE spec_sha256=? AND state='succeeded' AND engine=? ORDER BY id LIMIT 1");
+      "SELECT result_sha256, result_bytes, residuals_sha256, residuals_bytes, frames_sha256,"
+      " frames_bytes FROM jobs WHERE spec_sha256=? AND state='succeeded' AND engine=? ORDER BY id "
+      "LIMIT 1");
   find.bind(1, std::string_view(spec_sha256)).bind(2, std::string_view(config().engine));
   if (!find.step()) return std::nullopt;
-  StoredResult result{find.text(0), static_cast<std::uint64_t>(find.integer(1)), find.text(2),
-                      static_cast<std::uint64_t>(find.integer(3))};
+  StoredResult result{find.text(0), static_cast<std::uint64_t>(find.integer(1)),
+                      find.text(2), static_cast<std::uint64_t>(find.integer(3)),
+                      find.text(4), static_cast<std::uint64_t>(find.integer(5))};
   const auto& sound = config().result_is_sound;
-  if (sound && (!sound(result.result_sha256) ||
-                (!result.residuals_sha256.empty() && !sound(result.residuals_sha256)))) {
-    return std::nullopt;
-  }
+  for (const std::string& sha256 :
+       {result.result_sha256, result.residuals_sha256, result.frames_sha256})
+    if (sound && !sha256.empty() && !sound(sha256)) return std::nullopt;
   return result;
 }
 

@@ -10,6 +10,7 @@
 #include "common/model/document.h"
 #include "server/diagnosis/diagnose.h"
 #include "server/jobs/result_document.h"
+#include "server/jobs/scene/run_scene.h"
 
 namespace tenter::jobs {
 namespace {
@@ -89,6 +90,7 @@ Expected<void> run_job(const JobInput& input, const std::function<void(const Job
   if (spec.is_discarded() || !spec.is_object() || !spec.contains("kind") || !spec.contains("model"))
     return bad_input("the job's specification is not a tenter.job document");
   const std::string kind = spec["kind"].get<std::string>();
+  if (spec.contains("scene")) return run_scene(input, spec, report, stop);
   report({"read", std::to_string(input.captures.size()) + " captures", 0, 0.0, 0.01});
   auto request = read_request(input, spec);
   if (!request) return tl::unexpected(request.error());

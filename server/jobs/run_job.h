@@ -31,9 +31,9 @@ struct JobProgress {
   double fraction = 0;  ///< 0..1 of the whole job
 };
 
-/// Writes staging/result.json and staging/residuals.h5. Same input, same bytes. May call `report`
-/// from any thread, as often as it likes; returns ErrorKind::cancelled soon after `stop` is
-/// requested.
+/// Writes staging/result.json, and staging/residuals.h5 or, for a scene, staging/frames.h5. Same
+/// input, same bytes. May call `report` from any thread, as often as it likes; returns
+/// ErrorKind::cancelled soon after `stop` is requested.
 Expected<void> run_job(const JobInput& input, const std::function<void(const JobProgress&)>& report,
                        const std::stop_token& stop);
 

@@ -150,6 +150,11 @@ Expected<StoredResult> Scheduler::ingest(const ClaimKey& claim) {
       return tl::unexpected(done.error());
     }
   }
+  if (fs::exists(out / "frames.h5")) {
+    if (auto done = take("frames.h5", result.frames_sha256, result.frames_bytes); !done) {
+      return tl::unexpected(done.error());
+    }
+  }
   return result;
 }
 

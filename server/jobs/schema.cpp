@@ -67,6 +67,11 @@ CREATE TABLE requests(
 CREATE INDEX requests_by_time ON requests(time_ms);
 INSERT INTO meta VALUES('server_id', lower(hex(randomblob(16)))), ('server_epoch', '0');
 )sql",
+    // the frames of simulated scenes
+    R"sql(
+ALTER TABLE jobs ADD COLUMN frames_sha256 TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN frames_bytes INTEGER NOT NULL DEFAULT 0;
+)sql",
 };
 constexpr int kNewest = static_cast<int>(std::size(kMigrations));
 

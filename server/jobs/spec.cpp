@@ -74,10 +74,32 @@ Expected<std::vector<std::string>> captures_of(const json& document, const std::
   return captures;
 }
 
+/// A scene is simulated, and on its own: what is listed is its mesh file, if it names one.
+Expected<std::vector<std::string>> captures_of_scene(const json& document,
+                                                     const std::string& kind) {
+  const json& scene = document["scene"];
+  if (!scene.is_object()) return bad_input("job specification: \"scene\" must be a scene document");
+  if (kind != "simulate")
+    return bad_input("job specification: \"scene\" is for simulate, not for " + kind);
+  const auto mesh = scene.find("mesh");
+  const bool has_file = mesh != scene.end() && mesh->is_object() && mesh->contains("sha256");
+  const auto captures = document.find("captures");
+  if (!has_file) {
+    if (captures != document.end() && (!captures->is_array() || !captures->empty()))
+      return bad_input("job specification: a scene without a mesh file has no \"captures\"");
+    return std::vector<std::string>{};
+  }
+  auto listed = captures_of(document, kind);
+  if (listed && (listed->size() != 1 || listed->front() != (*mesh)["sha256"]))
+    return bad_input("job specification: \"captures\" must list the scene's mesh.sha256 alone");
+  return listed;
+}
+
 }  // namespace
 
 Expected<JobSpec> parse_spec(std::string_view json_text,
-                             const std::function<Expected<void>(std::string_view)>& check_model) {
+                             const std::function<Expected<void>(std::string_view)>& check_model,
+                             const std::function<Expected<void>(std::string_view)>& check_scene) {
   if (json_text.size() > kMaxSpecBytes) {
     return bad_input("the job specification has " + std::to_string(json_text.size()) +
                      " bytes, more than the allowed " + std::to_string(kMaxSpecBytes));
@@ -85,8 +107,8 @@ Expected<JobSpec> parse_spec(std::string_view json_text,
   auto document = read_document(json_text);
   if (!document) return tl::unexpected(document.error());
   for (const auto& [key, value] : document->items()) {
-    static constexpr const char* kKnown[] = {"schema",   "version", "kind",
-                                             "captures", "model",   "options"};
+    static constexpr const char* kKnown[] = {"schema", "version", "kind", "captures",
+                                             "model",  "options", "scene"};
     if (std::find(std::begin(kKnown), std::end(kKnown), key) == std::end(kKnown)) {
       return bad_input("job specification: unknown key \"" + key.substr(0, 64) + "\"");
     }
@@ -105,7 +127,9 @@ Expected<JobSpec> parse_spec(std::string_view json_text,
     return bad_input("job specification: \"kind\" must be fit, simulate or diagnose, not \"" +
                      kind->substr(0, 64) + "\"");
   }
-  auto captures = captures_of(*document, *kind);
+  const auto scene = document->find("scene");
+  auto captures = scene == document->end() ? captures_of(*document, *kind)
+                                           : captures_of_scene(*document, *kind);
   if (!captures) return tl::unexpected(captures.error());
   const auto model = document->find("model");
   if (model == document->end() || !model->is_object()) {
@@ -123,6 +147,12 @@ Expected<JobSpec> parse_spec(std::string_view json_text,
         return fail(sound.error().kind, "job specification: model: " + sound.error().message);
       }
     }
+    if (scene != document->end() && check_scene) {
+      if (auto sound = check_scene(scene->dump()); !sound) {
+        return fail(sound.error().kind, "job specification: " + sound.error().message);
+      }
+    }
+    (*document)["captures"] = *captures;
     if (options == document->end()) (*document)["options"] = json::object();
     spec.canonical = document->dump();
   } catch (const json::exception&) {

@@ -4,6 +4,9 @@
 //   {"schema": "tenter.job", "version": 1, "kind": "fit" | "simulate" | "diagnose",
 //    "captures": ["<sha256>", ...], "model": {tenter.model document}, "options": {...}}
 //
+// or, for a simulated scene, "kind": "simulate" with "scene": {tenter.scene document} and no
+// captures but the scene's mesh file, where it has one.
+//
 // Two texts that mean the same (order of keys, white space) are one specification: the canonical
 // text has sorted keys and no white space, and its SHA-256 names the job's work.
 #pragma once
@@ -27,10 +30,11 @@ struct JobSpec {
 inline constexpr std::size_t kMaxSpecBytes = 1u << 20;
 inline constexpr std::size_t kMaxSpecCaptures = 256;
 
-/// Checks the form; messages name the key. `check_model`, when given, gets the text of "model".
-/// Whether the captures exist is the queue's question.
+/// Checks the form; messages name the key. `check_model` and `check_scene`, when given, get the
+/// text of "model" and "scene". Whether the captures exist is the queue's question.
 Expected<JobSpec> parse_spec(
     std::string_view json_text,
-    const std::function<Expected<void>(std::string_view)>& check_model = {});
+    const std::function<Expected<void>(std::string_view)>& check_model = {},
+    const std::function<Expected<void>(std::string_view)>& check_scene = {});
 
 }  // namespace tenter::jobs

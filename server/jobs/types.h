@@ -69,6 +69,7 @@ struct JobRecord {
   std::string spec_sha256;
   std::string result_sha256;     ///< of result.json, when succeeded
   std::string residuals_sha256;  ///< of residuals.h5, when succeeded and written
+  std::string frames_sha256;     ///< of frames.h5, the same
   std::vector<JobId> depends_on;
   std::vector<std::string> captures;
   std::string spec_json;                ///< filled by show only

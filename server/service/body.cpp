@@ -168,6 +168,7 @@ json to_json(const jobs::JobRecord& job) {
               {"spec_sha256", job.spec_sha256},
               {"result_sha256", or_null(job.result_sha256)},
               {"residuals_sha256", or_null(job.residuals_sha256)},
+              {"frames_sha256", or_null(job.frames_sha256)},
               {"progress", job.progress ? to_json(*job.progress) : json()},
               {"error", json()}};
   if (job.error)

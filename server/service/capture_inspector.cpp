@@ -13,9 +13,11 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "common/capture/capture_file.h"
+#include "common/scene/document.h"
 #include "server/jobs/types.h"
 
 namespace tenter::service {
@@ -138,6 +140,18 @@ json summary_of(const capture::Capture& capture) {
           {"licence", capture.provenance.licence},     {"channels", std::move(channels)}};
 }
 
+/// What is said of a mesh file, by how it begins; null for anything else. Whether it holds a mesh
+/// is the question of the job that uses it.
+json mesh_said(const std::string& file) {
+  std::string beginning(4096, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
+  beginning.resize(static_cast<std::size_t>(stream.gcount()));
+  const std::string format(scene::mesh_format(beginning));
+  if (format.empty()) return {};
+  return {{"ok", true}, {"kind", "mesh"}, {"title", "mesh"}, {"summary", {{"format", format}}}};
+}
+
 }  // namespace
 
 std::function<Expected<jobs::CaptureSummary>(const std::filesystem::path&)> capture_inspector(
@@ -149,6 +163,11 @@ std::function<Expected<jobs::CaptureSummary>(const std::filesystem::path&)> capt
 
 int inspect_main(const std::string& file) {
   limit_this_process();
+  if (const json mesh = mesh_said(file); !mesh.is_null()) {
+    const std::string line = mesh.dump();
+    std::fwrite(line.data(), 1, line.size(), stdout);
+    return 0;
+  }
   json said;
   const auto capture = capture::read_capture(file);
   if (capture)

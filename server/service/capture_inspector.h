@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reads an uploaded capture in a process of its own: a hostile file costs that process, and what
-// reading a large one takes in memory is gone with it.
+// reading a large one takes in memory is gone with it. Mesh files of scenes (OBJ, PLY, MSH) come
+// the same way and are known by how they begin.
 //
 //   config.inspect_capture = capture_inspector("/proc/self/exe");   // the daemon's side
 //   if (inspecting) return inspect_main(file);                      // the process's side: one line

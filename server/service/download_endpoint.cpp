@@ -87,7 +87,9 @@ Expected<jobs::StoredFile> DownloadEndpoint::file_of(const json& body) {
   if (!name) return tl::unexpected(name.error());
   if (*name == "result.json") return jobs_.result(*job);
   if (*name == "residuals.h5") return jobs_.residuals(*job);
-  return bad_input("the request's \"file\" is '" + *name + "', not result.json or residuals.h5");
+  if (*name == "frames.h5") return jobs_.frames(*job);
+  return bad_input("the request's \"file\" is '" + *name +
+                   "', not result.json, residuals.h5 or frames.h5");
 }
 
 Expected<json> DownloadEndpoint::open(const Caller& caller, const json& body) {

@@ -11,5 +11,8 @@ if(TARGET tenter AND TENTER_PYTHON3)
     add_test(NAME cli_diagnose_test COMMAND ${TENTER_PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli_diagnose_test.py
       ${cli_programs} --worker $<TARGET_FILE:tenter-worker> --artefacts ${CMAKE_BINARY_DIR}/artefacts/diagnose)
     set_tests_properties(cli_diagnose_test PROPERTIES TIMEOUT 600 LABELS "e2e")
+    add_test(NAME cli_simulate_test COMMAND ${TENTER_PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli_simulate_test.py
+      ${cli_programs} --worker $<TARGET_FILE:tenter-worker>)
+    set_tests_properties(cli_simulate_test PROPERTIES TIMEOUT 240 LABELS "e2e")
   endif()
 endif()

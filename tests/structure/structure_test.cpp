@@ -23,8 +23,9 @@ const fs::path& root() {
 
 /// Room -> rooms that it may include besides itself. A new room is a new row.
 const std::map<std::string, std::set<std::string>>& arrows() {
-  static const std::set<std::string> common = {"common/base",  "common/h5",     "common/capture",
-                                               "common/model", "common/report", "common/wire"};
+  static const std::set<std::string> common = {"common/base",   "common/h5",    "common/capture",
+                                               "common/model",  "common/scene", "common/frames",
+                                               "common/report", "common/wire"};
   static const auto with = [](std::set<std::string> rooms, const std::set<std::string>& more) {
     rooms.insert(more.begin(), more.end());
     return rooms;
@@ -35,9 +36,11 @@ const std::map<std::string, std::set<std::string>>& arrows() {
       {"common/h5", {"common/base"}},
       {"common/capture", {"common/base", "common/h5"}},
       {"common/model", {"common/base"}},
+      {"common/scene", {"common/base"}},
+      {"common/frames", {"common/base", "common/h5"}},
       {"common/report", {"common/base", "common/h5", "common/capture", "common/model"}},
       {"common/wire", {"common/base", "idl"}},
-      {"server/mechanics", {"common/base", "common/model"}},
+      {"server/mechanics", {"common/base", "common/model", "common/scene"}},
       {"server/estimation", with(common, {"server/mechanics"})},
       {"server/diagnosis", with(common, {"server/mechanics", "server/estimation"})},
       {"server/jobs", with(common, {"server/mechanics", "server/estimation", "server/diagnosis"})},

@@ -19,6 +19,7 @@ void add_job(CLI::App& app, Context& context);
 void add_model(CLI::App& app, Context& context);
 void add_report(CLI::App& app, Context& context);
 void add_residuals(CLI::App& app, Context& context);
+void add_scene(CLI::App& app, Context& context);
 void add_server(CLI::App& app, Context& context);
 void add_simulate(CLI::App& app, Context& context);
 

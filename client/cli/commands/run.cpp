@@ -6,10 +6,35 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/job_run.h"
 #include "client/cli/output.h"
+#include "client/cli/scene_run.h"
 
 namespace tenter::cli {
 
 namespace {
+
+constexpr const char* kUsualModel = "stvk_diagonal";
+
+constexpr const char* kSimulateFooter =
+    "Of captures: nothing is fitted; the model's own values predict every frame, and the error "
+    "against the measurement is shown. `tenter residuals` prints the predictions.\n"
+    "\n"
+    "Of a scene (--scene): a mesh of cloth or of a solid is held, pulled and loaded as the scene "
+    "says, and brought to rest frame after frame (net force below 1e-5 N unless the scene says "
+    "otherwise). With -o DIR the folder gets frames.h5 (positions in m, reactions in N and N m on "
+    "every clip, energies in J and strains per term, for every frame), frames.xdmf (open this one "
+    "in ParaView) and result.json. --set TERM.PARAMETER=VALUE changes the model, in the units "
+    "that `tenter model show` prints. A scene document has lengths in m, masses in kg, forces in "
+    "N, turns in rad; `tenter scene show hanging_square` prints one to begin with.\n"
+    "\n"
+    "Exit code 2: the scene or the model is not well formed. 7: the job failed (nodes that are "
+    "not there, no equilibrium at the start), or a frame has no equilibrium; the frames before "
+    "it are delivered all the same.\n"
+    "EXAMPLES\n"
+    "    tenter simulate pull.h5 --model fitted.json\n"
+    "    tenter residuals last --format csv > predictions.csv\n"
+    "    tenter simulate --scene hanging_square -o hanging\n"
+    "    tenter simulate --scene mine.scene.json --model cloth_stvk --set weft.k=80 -o mine\n"
+    "    tenter --json simulate --scene picture_frame | jq '.frames[-1].reactions'\n";
 
 /// --set KEY=VALUE: VALUE is JSON, or text where it is not.
 Expected<void> set_option(nlohmann::json& options, const std::string& assignment) {
@@ -29,9 +54,26 @@ struct Draft {
   std::string leave_out;
   int max_effects = -1;
   std::vector<std::string> sets;
+  std::string scene;  ///< simulate: instead of captures
 };
 
+Expected<void> start_scene(Context& context, const Draft& draft) {
+  const JobRun& run = draft.run;
+  if (!run.captures.empty())
+    return bad_input("a scene is simulated on its own: give either captures or --scene");
+  if (!run.report.empty() || !run.save_model.empty())
+    return bad_input("--report and --save-model are for captures, not for a scene");
+  if (draft.seed >= 0)
+    return bad_input("--seed is for captures; the seed of a scene is in its document");
+  return run_scene(context,
+                   {draft.scene, run.model, draft.sets, run.submit, run.detach, run.output});
+}
+
 Expected<void> start(Context& context, Draft& draft) {
+  if (!draft.scene.empty()) return start_scene(context, draft);
+  if (draft.run.captures.empty())
+    return bad_input("what is to be simulated: captures, or a scene (--scene)?");
+  if (draft.run.model.empty()) draft.run.model = kUsualModel;
   nlohmann::json& options = draft.run.options;
   if (draft.seed >= 0) options["seed"] = draft.seed;
   if (!draft.leave_out.empty()) options["leave_out"] = draft.leave_out;
@@ -44,7 +86,6 @@ Expected<void> start(Context& context, Draft& draft) {
 CLI::App* add_run(CLI::App& app, Context& context, const char* kind, const char* words,
                   const char* footer, const std::shared_ptr<Draft>& draft) {
   draft->run.kind = kind;
-  draft->run.model = "stvk_diagonal";
   CLI::App* command = app.add_subcommand(kind, words);
   command->footer(footer);
   command
@@ -67,7 +108,8 @@ CLI::App* add_run(CLI::App& app, Context& context, const char* kind, const char*
       ->take_all();
   command->add_flag("--detach", draft->run.detach, "Do not wait for the job; print its number.");
   command
-      ->add_option("--output", draft->run.output, "Keep the result document (JSON) in this file.")
+      ->add_option("-o,--output", draft->run.output,
+                   "Keep the result document (JSON) in this file.")
       ->type_name("FILE");
   command
       ->add_option("--report", draft->run.report, "Write the report, one HTML page, to this file.")
@@ -144,14 +186,17 @@ void add_fit(CLI::App& app, Context& context) {
 
 void add_simulate(CLI::App& app, Context& context) {
   auto draft = std::make_shared<Draft>();
-  add_run(app, context, "simulate", "run a model as it is along the paths of captures",
-          "Nothing is fitted: the model's own values predict every frame, and the error against "
-          "the measurement is "
-          "shown. `tenter residuals` prints the predictions.\n"
-          "EXAMPLES\n"
-          "    tenter simulate pull.h5 --model fitted.json\n"
-          "    tenter residuals last --format csv > predictions.csv\n",
-          draft);
+  CLI::App* command =
+      add_run(app, context, "simulate",
+              "run a model as it is: along the paths of captures, or on the mesh of a scene",
+              kSimulateFooter, draft);
+  command->get_option("CAPTURE")->required(false);
+  command
+      ->add_option("--scene", draft->scene,
+                   "A shipped scene (`tenter scene list`) or a scene file, instead of captures. "
+                   "The model is then by default cloth_stvk (of bodies: solid_neo_hookean), "
+                   "--output is a folder and --set changes the model.")
+      ->type_name("NAME_OR_FILE");
 }
 
 }  // namespace tenter::cli

@@ -30,6 +30,8 @@ class H5File : public ::testing::Test {
     file.array("/g/ints", std::vector<int>{4, 5});
     file.array("/g/texts", std::vector<std::string>{"a", "", "longer"});
     file.array("/g/none", std::vector<double>{}, "");
+    file.array("/g/table", std::vector<double>{1, 2, 3, 4, 5, 6}, {3, 1, 2}, "m");
+    file.array("/g/whole", std::vector<int>{1, 2, 3, 4, 5, 6}, {2, 3});
     file.attribute("/g", "flag", std::int64_t{1});
     file.attribute("/g", "ratio", 0.25);
     ASSERT_TRUE(std::move(file).save());
@@ -66,7 +68,41 @@ TEST_F(H5File, HoldsWhatWasPutIn) {
   EXPECT_FALSE(*file->has("/x/y"));
   EXPECT_TRUE(*file->has_attribute("/g", "flag"));
   EXPECT_FALSE(*file->has_attribute("/g", "flags"));
-  EXPECT_EQ(file->members("/g")->size(), 8U);
+  EXPECT_EQ(file->members("/g")->size(), 10U);
+}
+
+TEST_F(H5File, TablesKeepTheirShape) {
+  const auto file = H5Reader::open(path_);
+  ASSERT_TRUE(file);
+  using Shape = std::vector<std::uint64_t>;
+  const auto table = file->table("/g/table");
+  ASSERT_TRUE(table);
+  EXPECT_EQ(table->shape, (Shape{3, 1, 2}));
+  EXPECT_EQ(table->values, (std::vector<double>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(*file->text_attribute("/g/table", "units"), "m");
+  EXPECT_EQ(*file->shape("/g/whole"), (Shape{2, 3}));
+  EXPECT_EQ(file->table("/g/whole")->values, table->values);
+  EXPECT_EQ(file->table("/g/reals")->shape, Shape{3});
+  EXPECT_EQ(complaint(file->doubles("/g/table")), "/g/table: must be a one-dimensional list.");
+  EXPECT_EQ(complaint(file->table("/g/number")), "/g/number: must be a list of 1 to 4 dimensions.");
+  EXPECT_EQ(complaint(file->shape("/g")), "/g: must be a dataset.");
+}
+
+TEST_F(H5File, TablesLargerThanAChunkComeBackWhole) {
+  std::vector<double> values(3UL * 50000 * 3);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i % 977);
+  H5Writer large(path_);
+  large.array("/x", values, {3, 50000, 3}, "m");
+  ASSERT_TRUE(std::move(large).save());
+  const auto file = H5Reader::open(path_);
+  ASSERT_TRUE(file);
+  EXPECT_EQ(file->table("/x")->values, values);
+}
+
+TEST_F(H5File, AShapeThatDoesNotHoldTheValuesIsRefused) {
+  H5Writer wrong(path_);
+  wrong.array("/x", std::vector<double>{1, 2, 3}, {2, 2}, "m");
+  EXPECT_FALSE(std::move(wrong).save());
 }
 
 TEST_F(H5File, NamesWhatIsWrong) {

@@ -76,5 +76,46 @@ TEST(Spec, TheModelIsCheckedByWhoKnowsModels) {
   EXPECT_EQ(spec.error().message, "job specification: model: terms: missing");
 }
 
+std::string scene_text(const std::string& more = "", const std::string& kind = "simulate") {
+  return R"({"schema":"tenter.job","version":1,"kind":")" + kind +
+         R"(","scene":{"a":1},"model":{})" + more + "}";
+}
+
+TEST(Spec, ASceneIsSimulatedOnItsOwn) {
+  const auto spec = MUST(parse_spec(scene_text()));
+  EXPECT_TRUE(spec.captures.empty());
+  EXPECT_EQ(spec.sha256, MUST(parse_spec(scene_text(R"(,"captures":[])"))).sha256);
+  EXPECT_EQ(complaint(scene_text("", "fit")),
+            "job specification: \"scene\" is for simulate, not for fit");
+  EXPECT_EQ(complaint(scene_text(",\"captures\":[\"" + kCapture + "\"]")),
+            "job specification: a scene without a mesh file has no \"captures\"");
+  EXPECT_EQ(
+      complaint(R"({"schema":"tenter.job","version":1,"kind":"simulate","scene":3,"model":{}})"),
+      "job specification: \"scene\" must be a scene document");
+  EXPECT_EQ(complaint(R"({"schema":"tenter.job","version":1,"kind":"simulate","model":{}})"),
+            "job specification: \"captures\" must be a list of capture ids");
+}
+
+TEST(Spec, TheMeshFileOfASceneIsListed) {
+  const auto text = [](const std::string& captures) {
+    return R"({"schema":"tenter.job","version":1,"kind":"simulate","model":{},"scene":{"mesh":)"
+           R"({"kind":"file","sha256":")" +
+           std::string(kCapture) + "\"}}" + captures + "}";
+  };
+  const auto spec = MUST(parse_spec(text(R"(,"captures":[")" + std::string(kCapture) + "\"]")));
+  EXPECT_EQ(spec.captures, std::vector<std::string>{kCapture});
+  EXPECT_NE(complaint(text("")).find("\"captures\" must be a list"), std::string::npos);
+  EXPECT_EQ(complaint(text(R"(,"captures":[")" + std::string(64, '0') + "\"]")),
+            "job specification: \"captures\" must list the scene's mesh.sha256 alone");
+}
+
+TEST(Spec, TheSceneIsCheckedByWhoKnowsScenes) {
+  const auto spec = parse_spec(scene_text(), {}, [](std::string_view text) -> Expected<void> {
+    return bad_input("scene: " + std::string(text));
+  });
+  ASSERT_FALSE(spec);
+  EXPECT_EQ(spec.error().message, "job specification: scene: {\"a\":1}");
+}
+
 }  // namespace
 }  // namespace tenter::jobs

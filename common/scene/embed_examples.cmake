@@ -1,0 +1,10 @@
+# Writes OUTPUT, a source file with the text of each of FILES as a string literal.
+set(text "// SPDX-License-Identifier: Apache-2.0\n#include \"common/scene/examples.h\"\n\nnamespace tenter::scene {\n\n")
+string(APPEND text "const std::vector<ExampleText>& example_texts() {\n  static const std::vector<ExampleText> texts = {\n")
+foreach(file IN LISTS FILES)
+  get_filename_component(name ${file} NAME_WE)
+  file(READ ${file} content)
+  string(APPEND text "      {\"${name}\", R\"tenter(${content})tenter\"},\n")
+endforeach()
+string(APPEND text "  };\n  return texts;\n}\n\n}  // namespace tenter::scene\n")
+file(WRITE ${OUTPUT} "${text}")

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/mechanics/scene/run.h"
+
+#include <cmath>
+#include <utility>
+
+namespace tenter::mechanics {
+namespace {
+
+EquilibriumOptions options_of(const scene::Solver& solver) {
+  EquilibriumOptions options;
+  options.tolerance_N = solver.tolerance_N;
+  options.max_iterations = solver.max_iterations;
+  options.check_minimum = solver.check_minimum;
+  options.contact_depth_m = solver.contact_depth_m;
+  if (solver.minimiser == "additive_lm") options.minimiser = Minimiser::additive_lm;
+  if (solver.minimiser == "relaxation") options.minimiser = Minimiser::relaxation;
+  return options;
+}
+
+std::string place_words(const SceneFrame& frame, const scene::Scene& scene) {
+  if (frame.phase < 0) return "frame 0, the start";
+  return "frame " + std::to_string(frame.number) + ", " +
+         std::to_string(std::lround(100.0 * frame.share)) + " % into phase '" +
+         scene.protocol[static_cast<std::size_t>(frame.phase)].name + "'";
+}
+
+}  // namespace
+
+Expected<SceneRun> SceneRun::make(const scene::Scene& scene, const model::Model& model) {
+  SceneRun run;
+  run.scene_ = scene;
+  auto body = make_body(scene);
+  if (!body) return tl::unexpected(body.error());
+  run.body_ = std::move(*body);
+  auto bound = bind(model, run.body_);
+  if (!bound) return fail(bound.error().kind, "model: " + bound.error().message);
+  run.model_ = std::make_unique<const MeshModel>(std::move(*bound));
+  auto set_up = make_set_up(scene, run.body_);
+  if (!set_up) return tl::unexpected(set_up.error());
+  run.set_up_ = std::move(*set_up);
+  auto solver = EquilibriumSolver::make(*run.model_, run.set_up_.boundary, run.set_up_.obstacles);
+  if (!solver) return tl::unexpected(solver.error());
+  run.solver_ = std::make_unique<EquilibriumSolver>(std::move(*solver));
+  run.parameters_ = term_parameters(model);
+  run.options_ = options_of(scene.solver);
+  return run;
+}
+
+Expected<bool> SceneRun::solve(const Levels& levels, bool is_near, State& state,
+                               SceneFrame& frame) {
+  State there = state;
+  for (std::size_t c = 0; c < levels.clips.size(); ++c)
+    if (!set_up_.boundary.clips[c].is_free) there.clips[c] = levels.clips[c];
+  EquilibriumOptions options = options_;
+  options.start_is_near = is_near;
+  auto result = solver_->solve(parameters_, loads_at(set_up_, body_, levels), there, options);
+  if (!result) return tl::unexpected(result.error());
+  frame.iterations += result->iterations;
+  frame.factorisations += result->factorisations;
+  last_ = std::move(*result);
+  if (!last_.is_good(options) || !there.x.allFinite()) {
+    failure_ = describe(last_, options);
+    return false;
+  }
+  state = std::move(there);
+  return true;
+}
+
+Expected<bool> SceneRun::advance(const scene::Phase& phase, const Levels& at_start, double from,
+                                 double to, const SceneHooks& hooks, State& state,
+                                 SceneFrame& frame) {
+  const double smallest = std::ldexp(to - from, -scene_.solver.most_halvings);
+  double step = to - from;
+  double reached = from;
+  frame.steps = 0;
+  while (reached < to) {
+    // what is left is a multiple of the step, but for rounding
+    const double target = 1.5 * step > to - reached ? to : reached + step;
+    const Levels levels = levels_in(scene_, phase, at_start, target);
+    bool is_there = false;
+    for (const bool is_near : {true, false}) {
+      if (hooks.go_on && !hooks.go_on(frame.number, frame.iterations)) {
+        was_stopped_ = true;
+        return false;
+      }
+      auto solved = solve(levels, is_near, state, frame);
+      if (!solved) return solved;
+      is_there = *solved;
+      if (is_there) break;
+    }
+    if (is_there) {
+      reached = target;
+      ++frame.steps;
+    } else if (step > smallest) {
+      step *= 0.5;
+    } else {
+      return false;
+    }
+  }
+  return true;
+}
+
+Expected<bool> SceneRun::finish(const Levels& levels, const State& state, SceneFrame& frame) {
+  frame.state = state;
+  frame.levels = levels;
+  frame.energy_J = last_.energy_J;
+  frame.stability = last_.stability;
+  frame.net_force_N = last_.last.net_force_N;
+  frame.contact_violation_m = last_.contact_violation_m;
+  frame.limit_violation = last_.limit_violation;
+  Eigen::VectorXd by_node = last_.by_node;
+  if (!set_up_.boundary.pressed.empty())
+    by_node -= rim_force_N(set_up_.boundary, levels.pressure_Pa, state.x);
+  frame.reactions.clear();
+  for (std::size_t c = 0; c < set_up_.boundary.clips.size(); ++c)
+    frame.reactions.push_back(
+        reaction(set_up_.boundary.clips[c], state.x, by_node, state.clips[c].position_m));
+  if (model_->term_energies(state.x, parameters_, frame.term_energies_J) != AssemblyStatus::ok ||
+      model_->term_strains(state.x, frame.strains) != AssemblyStatus::ok) {
+    failure_ = "energies or strains of the state are no numbers";
+    return false;
+  }
+  return true;
+}
+
+Expected<SceneEnd> SceneRun::walk(const SceneHooks& hooks) {
+  SceneEnd end;
+  State state = set_up_.start;
+  Levels levels = first_levels(scene_, state.clips);
+  was_stopped_ = false;
+  const auto hand_out = [&](SceneFrame& frame, const Levels& now,
+                            Expected<bool> found) -> Expected<bool> {
+    if (found && *found) found = finish(now, state, frame);
+    if (!found) return found;
+    if (*found) {
+      if (hooks.on_frame) hooks.on_frame(frame);
+      ++end.frames;
+      return true;
+    }
+    end.how = was_stopped_ ? SceneEnd::How::stopped : SceneEnd::How::failed;
+    if (!was_stopped_)
+      end.reason = "no equilibrium was found for " + place_words(frame, scene_) + ": " + failure_;
+    return false;
+  };
+
+  SceneFrame frame;
+  if (hooks.go_on && !hooks.go_on(0, 0)) {
+    end.how = SceneEnd::How::stopped;
+    return end;
+  }
+  auto good = hand_out(frame, levels, solve(levels, false, state, frame));
+  for (std::size_t p = 0; good && *good && p < scene_.protocol.size(); ++p) {
+    const scene::Phase& phase = scene_.protocol[p];
+    for (int f = 1; good && *good && f <= phase.frames; ++f) {
+      const int number = frame.number + 1;
+      frame = SceneFrame();
+      frame.number = number;
+      frame.phase = static_cast<int>(p);
+      frame.share = static_cast<double>(f) / phase.frames;
+      const double from = static_cast<double>(f - 1) / phase.frames;
+      auto found = advance(phase, levels, from, frame.share, hooks, state, frame);
+      good = hand_out(frame, levels_in(scene_, phase, levels, frame.share), std::move(found));
+    }
+    levels = levels_in(scene_, phase, levels, 1.0);
+  }
+  if (!good) return tl::unexpected(good.error());
+  return end;
+}
+
+}  // namespace tenter::mechanics

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Walks a scene: the equilibrium of the start, then of every frame of the protocol, each from the
+// one before.
+//
+//   auto run = SceneRun::make(scene, model);
+//   if (!run) return tl::unexpected(run.error());
+//   auto end = run->walk({.on_frame = [&](const SceneFrame& f) { keep(f); },
+//                         .go_on = [&](int frame, int) { return !stop; }});
+//   if (end && end->how != SceneEnd::How::complete) log(end->reason);
+//
+// A frame starts from the last one's state with its factor (equilibrium.h predicts); where that
+// fails, from the state alone; where that fails, from the equilibrium half a step further, and so
+// on down to 1/2^most_halvings of the step. What cannot be reached ends the walk: frames before it
+// are good and have been handed out. A frame that is handed out is in equilibrium, and holds finite
+// numbers only.
+//
+// A run keeps its solver and scratch; it belongs to one thread at a time. The same scene and model
+// give the same bytes.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/error.h"
+#include "common/model/model.h"
+#include "common/scene/scene.h"
+#include "server/mechanics/assembly/term_strains.h"
+#include "server/mechanics/equilibrium/equilibrium.h"
+#include "server/mechanics/scene/body.h"
+#include "server/mechanics/scene/levels.h"
+#include "server/mechanics/scene/set_up.h"
+
+namespace tenter::mechanics {
+
+struct SceneFrame {
+  int number = 0;      ///< 0: the start
+  int phase = -1;      ///< -1: the start
+  double share = 1.0;  ///< of the phase that is done
+  State state;
+  Levels levels;
+  std::vector<Wrench> reactions;    ///< on every clip, about its position: loads.h, reaction()
+  double energy_J = 0.0;            ///< the potential: material, loads, contact
+  Eigen::VectorXd term_energies_J;  ///< of the material, as the model's terms
+  std::vector<TermStrains> strains;
+  Stability stability = Stability::not_checked;
+  double net_force_N = 0.0;
+  double contact_violation_m = 0.0;
+  double limit_violation = 0.0;  ///< of the model's energy limits, in parts of psi_max
+  int steps = 1;                 ///< equilibria on the way here; 1: the step was not cut
+  int iterations = 0;
+  int factorisations = 0;
+};
+
+struct SceneHooks {
+  std::function<void(const SceneFrame&)> on_frame;
+  /// Asked before every equilibrium with the frame's number and its iterations so far; false ends
+  /// the walk.
+  std::function<bool(int frame, int iterations)> go_on;
+};
+
+struct SceneEnd {
+  enum class How {
+    complete,
+    failed,  ///< a frame has no equilibrium that could be reached
+    stopped  ///< by go_on
+  };
+  How how = How::complete;
+  int frames = 0;      ///< handed out
+  std::string reason;  ///< one sentence, where it failed
+};
+
+class SceneRun {
+ public:
+  /// bad_input: the scene or the model does not fit the mesh; messages begin with the path of the
+  /// scene's key or name the model's term. The scene has passed validate().
+  static Expected<SceneRun> make(const scene::Scene& scene, const model::Model& model);
+
+  const scene::Scene& scene() const { return scene_; }
+  const SceneBody& body() const { return body_; }
+  const SetUp& set_up() const { return set_up_; }
+
+  Expected<SceneEnd> walk(const SceneHooks& hooks);
+
+ private:
+  SceneRun() = default;
+  /// One equilibrium; `state` is changed only where it was found.
+  Expected<bool> solve(const Levels& levels, bool is_near, State& state, SceneFrame& frame);
+  /// From the state at share `from` of the phase to that at `to`.
+  Expected<bool> advance(const scene::Phase& phase, const Levels& at_start, double from, double to,
+                         const SceneHooks& hooks, State& state, SceneFrame& frame);
+  Expected<bool> finish(const Levels& levels, const State& state, SceneFrame& frame);
+
+  scene::Scene scene_;
+  SceneBody body_;
+  SetUp set_up_;
+  std::unique_ptr<const MeshModel> model_;
+  Eigen::VectorXd parameters_;
+  EquilibriumOptions options_;
+  std::unique_ptr<EquilibriumSolver> solver_;
+  std::string failure_;  ///< of the last attempt
+  bool was_stopped_ = false;
+  EquilibriumResult last_;
+};
+
+}  // namespace tenter::mechanics

@@ -93,6 +93,10 @@ bool extends_baseline(const Json& result) {
 Expected<Json> parse_result(const std::string& result_json) {
   Json result = Json::parse(result_json, nullptr, false);
   if (result.is_discarded()) return bad_input("the result document is not JSON");
+  if (text(result, "schema") == "tenter.simulation")
+    return bad_input(
+        "the result is a simulated scene, which has no report: its frames are for ParaView "
+        "(tenter simulate --scene ... -o DIR)");
   if (text(result, "schema") != "tenter.result")
     return bad_input("the document is not a result: its schema is not 'tenter.result'");
   if (number(result, "version") != 1.0)

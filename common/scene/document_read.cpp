@@ -96,7 +96,7 @@ Vec3 read_place(const Node& node, bool solid) {
 }
 
 std::string read_side(const Node& node, bool solid) {
-  const std::string word = node.text();
+  std::string word = node.text();
   const std::array<std::string_view, 3> lows = {"left", solid ? "front" : "bottom", "bottom"};
   const std::array<std::string_view, 3> highs = {"right", solid ? "back" : "top", "top"};
   std::size_t from = 0;

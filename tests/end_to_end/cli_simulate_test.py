@@ -62,6 +62,8 @@ class Scenes(CommandTest):
         for word in ("11 of 11 frames", "F_z (N)", "bar", "warp", "with -o DIR"):
             self.assertIn(word, done.stdout)
         self.assertIn("succeeded", done.stderr)
+        self.assertIn("is a simulated scene", self.run_command("report", "last", code=2).stderr)
+        self.run_command("residuals", "last", code=3)
         listed = self.run_command("scene", "list").stdout
         for name in ("hanging_square", "picture_frame", "corner_pull", "table_edge"):
             self.assertIn(name, listed)

@@ -157,6 +157,49 @@ TEST(HostileCaptures, LinksThatLeadElsewhereAreNotFollowed) {
             "accepted");
 }
 
+/// A dataset of `length` numbers that is a view of "/part" in `source`.
+void view(hid_t file, const char* path, const char* source, hsize_t length) {
+  const hid_t space = H5Screate_simple(1, &length, nullptr);
+  const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+  EXPECT_GE(H5Pset_virtual(properties, space, source, "/part", space), 0);
+  const hid_t data =
+      H5Dcreate2(file, path, H5T_IEEE_F64LE, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+  EXPECT_GE(data, 0);
+  H5Dclose(data);
+  H5Pclose(properties);
+  H5Sclose(space);
+}
+
+TEST(HostileCaptures, ViewsShowOwnNumbersOfBelievableSizeOnly) {
+  const TempFolder folder;
+  const std::string path = folder.path("v.h5");
+  {
+    h5::H5Writer writer(path);
+    writer.array("/part", std::vector<double>{1, 2, 3}, "m");
+    ASSERT_TRUE(std::move(writer).save());
+    const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    view(file, "/own", ".", 3);
+    view(file, "/other", "/etc/passwd", 3);
+    view(file, "/hidden", "./v.h5", 3);
+    view(file, "/huge", ".", 200000000);
+    H5Fclose(file);
+  }
+  const auto reader = h5::H5Reader::open(path);
+  ASSERT_TRUE(reader);
+  EXPECT_EQ(reader->table("/own")->values, (std::vector<double>{1, 2, 3}));
+  for (const char* name : {"/other", "/hidden"}) {
+    const auto table = reader->table(name);
+    ASSERT_FALSE(table) << name;
+    EXPECT_EQ(table.error().message, path + ": " + name + ": is stored outside the file.");
+  }
+  const auto huge = reader->table("/huge");
+  ASSERT_FALSE(huge);
+  EXPECT_NE(huge.error().message.find("claims 1600 MB but the file has"), std::string::npos);
+  const auto list = reader->doubles("/own");  // what captures are read with knows no views
+  ASSERT_FALSE(list);
+  EXPECT_NE(list.error().message.find("is stored in a way that"), std::string::npos);
+}
+
 TEST(HostileCaptures, UnknownGroupsAreIgnoredAndListed) {
   const TempFolder folder;
   const std::string path = folder.path("c.h5");

@@ -44,6 +44,16 @@ Levels first_levels(const scene::Scene& scene, std::vector<Pose> poses) {
   return levels;
 }
 
+Levels loaded_in_part(const Levels& levels, double share) {
+  Levels part = levels;
+  for (auto& clip : part.cord_force_N)
+    for (Eigen::Vector3d& force : clip) force *= share;
+  for (Eigen::Vector3d& force : part.force_N) force *= share;
+  part.gravity_factor *= share;
+  part.pressure_Pa *= share;
+  return part;
+}
+
 Levels levels_in(const scene::Scene& scene, const scene::Phase& phase, const Levels& from,
                  double share) {
   const auto towards = [share](const auto& begin, const auto& end) {

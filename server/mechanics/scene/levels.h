@@ -31,6 +31,9 @@ struct Levels {
 /// What the scene begins with; `poses` are those of its clips.
 Levels first_levels(const scene::Scene& scene, std::vector<Pose> poses);
 
+/// The same with a share of everything that pulls or presses: 0 is without any load.
+Levels loaded_in_part(const Levels& levels, double share);
+
 /// After a share of a phase that began at `from`. Every motion moves its clip by that share of
 /// move_m and then turns it by that share of turn_rad about its point; the rest goes linearly to
 /// the phase's values. The scene has passed validate().

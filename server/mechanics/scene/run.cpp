@@ -25,6 +25,12 @@ std::string place_words(const SceneFrame& frame, const scene::Scene& scene) {
          scene.protocol[static_cast<std::size_t>(frame.phase)].name + "'";
 }
 
+/// A mesh that nothing holds runs away under any load.
+bool is_worth_steps(MinimiseEnd end) {
+  return end != MinimiseEnd::runs_away && end != MinimiseEnd::start_not_finite &&
+         end != MinimiseEnd::out_of_memory;
+}
+
 }  // namespace
 
 Expected<SceneRun> SceneRun::make(const scene::Scene& scene, const model::Model& model) {
@@ -67,17 +73,34 @@ Expected<bool> SceneRun::solve(const Levels& levels, bool is_near, State& state,
   return true;
 }
 
-Expected<bool> SceneRun::advance(const scene::Phase& phase, const Levels& at_start, double from,
+Expected<bool> SceneRun::begin(const Levels& levels, const SceneHooks& hooks, State& state,
+                               SceneFrame& frame) {
+  const auto go_on = [&] {
+    was_stopped_ = hooks.go_on && !hooks.go_on(0, frame.iterations);
+    return !was_stopped_;
+  };
+  if (!go_on()) return false;
+  auto found = solve(levels, false, state, frame);
+  if (!found || *found || scene_.solver.most_halvings == 0) return found;
+  if (!is_worth_steps(last_.last.end) || !go_on()) return found;
+  const std::string at_once = failure_;
+  const auto part = [&levels](double share) { return loaded_in_part(levels, share); };
+  found = solve(part(0.0), false, state, frame);
+  if (found && *found) found = advance(part, 0.0, 1.0, hooks, state, frame);
+  if (found && !*found) failure_ = at_once;
+  return found;
+}
+
+Expected<bool> SceneRun::advance(const std::function<Levels(double)>& levels_at, double from,
                                  double to, const SceneHooks& hooks, State& state,
                                  SceneFrame& frame) {
   const double smallest = std::ldexp(to - from, -scene_.solver.most_halvings);
   double step = to - from;
   double reached = from;
-  frame.steps = 0;
   while (reached < to) {
     // what is left is a multiple of the step, but for rounding
     const double target = 1.5 * step > to - reached ? to : reached + step;
-    const Levels levels = levels_in(scene_, phase, at_start, target);
+    const Levels levels = levels_at(target);
     bool is_there = false;
     for (const bool is_near : {true, false}) {
       if (hooks.go_on && !hooks.go_on(frame.number, frame.iterations)) {
@@ -145,22 +168,20 @@ Expected<SceneEnd> SceneRun::walk(const SceneHooks& hooks) {
   };
 
   SceneFrame frame;
-  if (hooks.go_on && !hooks.go_on(0, 0)) {
-    end.how = SceneEnd::How::stopped;
-    return end;
-  }
-  auto good = hand_out(frame, levels, solve(levels, false, state, frame));
+  auto good = hand_out(frame, levels, begin(levels, hooks, state, frame));
   for (std::size_t p = 0; good && *good && p < scene_.protocol.size(); ++p) {
     const scene::Phase& phase = scene_.protocol[p];
     for (int f = 1; good && *good && f <= phase.frames; ++f) {
       const int number = frame.number + 1;
       frame = SceneFrame();
       frame.number = number;
+      frame.steps = 0;
       frame.phase = static_cast<int>(p);
       frame.share = static_cast<double>(f) / phase.frames;
       const double from = static_cast<double>(f - 1) / phase.frames;
-      auto found = advance(phase, levels, from, frame.share, hooks, state, frame);
-      good = hand_out(frame, levels_in(scene_, phase, levels, frame.share), std::move(found));
+      const auto levels_at = [&](double share) { return levels_in(scene_, phase, levels, share); };
+      auto found = advance(levels_at, from, frame.share, hooks, state, frame);
+      good = hand_out(frame, levels_at(frame.share), std::move(found));
     }
     levels = levels_in(scene_, phase, levels, 1.0);
   }

@@ -88,8 +88,11 @@ class SceneRun {
   SceneRun() = default;
   /// One equilibrium; `state` is changed only where it was found.
   Expected<bool> solve(const Levels& levels, bool is_near, State& state, SceneFrame& frame);
-  /// From the state at share `from` of the phase to that at `to`.
-  Expected<bool> advance(const scene::Phase& phase, const Levels& at_start, double from, double to,
+  /// The start: at once, else with its loads coming in steps.
+  Expected<bool> begin(const Levels& levels, const SceneHooks& hooks, State& state,
+                       SceneFrame& frame);
+  /// From the state that belongs to levels(from) to that of levels(to).
+  Expected<bool> advance(const std::function<Levels(double)>& levels, double from, double to,
                          const SceneHooks& hooks, State& state, SceneFrame& frame);
   Expected<bool> finish(const Levels& levels, const State& state, SceneFrame& frame);
 

@@ -224,6 +224,26 @@ TEST(SceneRun, ABodyBearsItsWeightAndAForce) {
   EXPECT_EQ(done.frames[4].strains[0].kind, ElementKind::hexahedron_point);
 }
 
+/// With few iterations the start fails at once, and is reached with its loads coming in steps.
+TEST(SceneRun, AStartThatFailsAtOnceIsLoadedInSteps) {
+  scene::Scene scene = shipped("corner_pull");
+  scene.protocol.clear();
+  scene.clips[1].cords[0].force_N = {0, 0, -3};
+  scene.solver.max_iterations = 100;
+  const Walk easy = walk(scene);
+  ASSERT_EQ(easy.end.how, SceneEnd::How::complete) << easy.end.reason;
+  EXPECT_EQ(easy.frames[0].steps, 1);
+  ASSERT_GT(easy.frames[0].iterations, 3);
+  scene.solver.max_iterations = easy.frames[0].iterations - 1;
+  scene.solver.most_halvings = 0;
+  EXPECT_EQ(walk(scene).end.how, SceneEnd::How::failed);
+  scene.solver.most_halvings = 8;
+  const Walk cut = walk(scene);
+  ASSERT_EQ(cut.end.how, SceneEnd::How::complete) << cut.end.reason;
+  EXPECT_GT(cut.frames[0].steps, 1);
+  expect_near(cut.frames[0].reactions[1].force_N, easy.frames[0].reactions[1].force_N, 1e-3);
+}
+
 TEST(SceneRun, WhatCannotBeReachedEndsTheWalkWithAReason) {
   // a hanging square without a clip
   const Walk loose = walk(scene_of(grid(5, 0.1)));

@@ -59,8 +59,7 @@ MinimiseResult minimise_by_additive_lm(const Potential& potential, SparseFactor&
                                   : 1.0;
         is_accepted = change < -noise || (std::abs(change) <= noise &&
                                           work.trial.net_force_N < work.current.net_force_N);
-        if (!is_accepted && (-slope <= noise || work.current.net_force_N <=
-                                                    force_noise_N(pattern, work.current, state.x)))
+        if (!is_accepted && is_rounding(pattern, work.current, state.x, slope, work.shifted))
           return end(MinimiseEnd::at_rounding);
       }
     }

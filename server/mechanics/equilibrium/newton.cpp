@@ -124,8 +124,7 @@ class Newton {
     if (drowns(slope)) return look_again(share);
     const auto fraction = search(first, slope, is_finite);
     if (!fraction)
-      return -slope <= kNearRounding * energy_noise_J(work_.current) ? look_again(share)
-                                                                     : MinimiseEnd::no_descent;
+      return drowns(slope / kNearRounding) ? look_again(share) : MinimiseEnd::no_descent;
     share_ = share_after(*fraction / first, share);
     potential_.unknowns.move(state_, work_.step, *fraction, work_.trial_state);
     if (!evaluate(work_.trial_state, share_, work_.trial)) return MinimiseEnd::no_descent;
@@ -156,11 +155,9 @@ class Newton {
     return 0.0;
   }
 
-  /// Whether a step with this slope can change nothing but rounding.
-  bool drowns(double slope) const {
-    return -slope <= energy_noise_J(work_.current) ||
-           work_.current.net_force_N <=
-               force_noise_N(potential_.unknowns.pattern(), work_.current, state_.x);
+  bool drowns(double slope) {
+    return is_rounding(potential_.unknowns.pattern(), work_.current, state_.x, slope,
+                       work_.shifted);
   }
 
   bool is_better(const PotentialValue& trial, double predicted_J) const {

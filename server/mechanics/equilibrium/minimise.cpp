@@ -38,24 +38,25 @@ double energy_noise_J(const PotentialValue& value) {
   return kRounding * value.energy_size_J;
 }
 
-bool is_rounding(const SymmetricPattern& pattern, const PotentialValue& value,
-                 const Eigen::VectorXd& x, double slope_J, std::vector<double>& scratch) {
-  // three quarters of the unknowns are no stiffer than this
-  scratch.resize(static_cast<std::size_t>(pattern.size));
-  for (std::size_t j = 0; j < scratch.size(); ++j)
-    scratch[j] = std::abs(value.stiffness[static_cast<std::size_t>(pattern.column_start[j])]);
-  const auto upper = scratch.begin() + 3 * (pattern.size / 4);
-  std::nth_element(scratch.begin(), upper, scratch.end());
-  const double typical_N_m = *upper;
+double typical_stiffness_N_m(const SymmetricPattern& pattern, const PotentialValue& value) {
+  std::vector<double> diagonal(static_cast<std::size_t>(pattern.size));
+  for (std::size_t j = 0; j < diagonal.size(); ++j)
+    diagonal[j] = std::abs(value.stiffness[static_cast<std::size_t>(pattern.column_start[j])]);
+  const auto upper = diagonal.begin() + 3 * (pattern.size / 4);
+  std::nth_element(diagonal.begin(), upper, diagonal.end());
+  return *upper;
+}
 
+bool is_rounding(const PotentialValue& value, const Eigen::VectorXd& x, double typical_N_m,
+                 double slope_J) {
   constexpr double kRounding = 4e-15;
+  constexpr double kPlenty = 1e4;  // stiffness grows on the way, too
   const double force_noise_N = kRounding * typical_N_m *
-                               std::sqrt(static_cast<double>(pattern.size)) *
+                               std::sqrt(static_cast<double>(value.by_unknown.size())) *
                                x.lpNorm<Eigen::Infinity>();
-  if (value.net_force_N <= force_noise_N) return true;
-  constexpr double kPlenty = 1e4;
-  return -slope_J <= energy_noise_J(value) &&
-         value.net_force_N * value.net_force_N <= kPlenty * typical_N_m * energy_noise_J(value);
+  return value.net_force_N <= force_noise_N ||
+         (-slope_J <= energy_noise_J(value) &&
+          value.net_force_N * value.net_force_N <= kPlenty * typical_N_m * energy_noise_J(value));
 }
 
 }  // namespace tenter::mechanics

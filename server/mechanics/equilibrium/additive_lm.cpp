@@ -32,6 +32,7 @@ MinimiseResult minimise_by_additive_lm(const Potential& potential, SparseFactor&
     largest = std::max(largest, std::abs(work.current.stiffness[diagonal(j)]));
   if (largest == 0.0) largest = 1.0;
   constexpr double kSmallest = 1e-14, kLargest = 1e10;  // mu, of the stiffness
+  const double typical_N_m = typical_stiffness_N_m(pattern, work.current);
   double mu = 1e-3 * largest;
 
   while (true) {
@@ -59,8 +60,7 @@ MinimiseResult minimise_by_additive_lm(const Potential& potential, SparseFactor&
                                   : 1.0;
         is_accepted = change < -noise || (std::abs(change) <= noise &&
                                           work.trial.net_force_N < work.current.net_force_N);
-        if (!is_accepted && (-slope <= noise || work.current.net_force_N <=
-                                                    force_noise_N(pattern, work.current, state.x)))
+        if (!is_accepted && is_rounding(work.current, state.x, typical_N_m, slope))
           return end(MinimiseEnd::at_rounding);
       }
     }

@@ -142,7 +142,10 @@ Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& para
       if (result.stability != Stability::saddle || saddle == kMostSaddles) break;
       // a motion so soft that its force is below the tolerance: look closer
       if (saddle > 0 && result.last.iterations == 0) how.tolerance_N *= 0.1;
-      if (!leave_saddle(potential, state)) break;
+      if (!leave_saddle(potential, state)) {
+        result.stability = Stability::neutral;  // what the motion gains is rounding
+        break;
+      }
       ++result.saddles_left;
       is_near = false;
     }

@@ -59,11 +59,15 @@ struct MinimiseWorkspace {
 /// Largest distance of two corners of the box around all nodes (m).
 double extent_m(const Eigen::VectorXd& x);
 
-/// What rounding may change of an energy (J), and of the net force (N) where the stiffness is
-/// known: positions are rounded to a part of their size, and stiffness makes forces of that.
+/// What rounding may change of an energy (J).
 double energy_noise_J(const PotentialValue& value);
-double force_noise_N(const SymmetricPattern& pattern, const PotentialValue& value,
-                     const Eigen::VectorXd& x);
+/// Three quarters of the unknowns are no stiffer than this.
+double typical_stiffness_N_m(const SymmetricPattern& pattern, const PotentialValue& value);
+/// Whether a step with this slope (J) can change nothing but rounding: of the energy, or of the
+/// forces, which positions make by being rounded. `typical_N_m` is that of the start: where an
+/// element collapses on the way, its forces are large and its own stiffness says nothing of them.
+bool is_rounding(const PotentialValue& value, const Eigen::VectorXd& x, double typical_N_m,
+                 double slope_J);
 
 /// Newton's method with a line search on the energy. Far from a minimum a share of the elements'
 /// negative stiffness is left out, so that steps are neither uphill nor too long for what the

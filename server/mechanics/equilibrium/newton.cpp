@@ -38,6 +38,7 @@ class Newton {
     share_ = options_.start_is_near ? 0.0 : 1.0;
     work_.trial_state.clips.resize(state_.clips.size());
     if (!evaluate(state_, share_, work_.current)) return end(MinimiseEnd::start_not_finite);
+    typical_N_m_ = typical_stiffness_N_m(potential_.unknowns.pattern(), work_.current);
     while (true) {
       if (work_.current.net_force_N <= options_.tolerance_N) return end(MinimiseEnd::converged);
       if (result_.iterations == options_.max_iterations) return end(MinimiseEnd::out_of_steps);
@@ -124,8 +125,7 @@ class Newton {
     if (drowns(slope)) return look_again(share);
     const auto fraction = search(first, slope, is_finite);
     if (!fraction)
-      return -slope <= kNearRounding * energy_noise_J(work_.current) ? look_again(share)
-                                                                     : MinimiseEnd::no_descent;
+      return drowns(slope / kNearRounding) ? look_again(share) : MinimiseEnd::no_descent;
     share_ = share_after(*fraction / first, share);
     potential_.unknowns.move(state_, work_.step, *fraction, work_.trial_state);
     if (!evaluate(work_.trial_state, share_, work_.trial)) return MinimiseEnd::no_descent;
@@ -156,11 +156,8 @@ class Newton {
     return 0.0;
   }
 
-  /// Whether a step with this slope can change nothing but rounding.
   bool drowns(double slope) const {
-    return -slope <= energy_noise_J(work_.current) ||
-           work_.current.net_force_N <=
-               force_noise_N(potential_.unknowns.pattern(), work_.current, state_.x);
+    return is_rounding(work_.current, state_.x, typical_N_m_, slope);
   }
 
   bool is_better(const PotentialValue& trial, double predicted_J) const {
@@ -199,6 +196,7 @@ class Newton {
   Eigen::VectorXd start_;
   double extent_ = 0.0;
   double max_move_ = 0.0;
+  double typical_N_m_ = 0.0;  ///< stiffness at the start
   int short_steps_ = 0;
   bool has_looked_again_ = false;
   double share_ = 1.0;  ///< positive share of the stiffness, see ModelOutput

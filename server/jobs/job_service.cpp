@@ -11,13 +11,13 @@
 #include <system_error>
 
 #include "common/base/sha256.h"
-#include "server/jobs/files.h"
-#include "server/jobs/local_executor.h"
-#include "server/jobs/queue.h"
+#include "server/jobs/queue/queue.h"
 #include "server/jobs/scheduler.h"
 #include "server/jobs/spec.h"
-#include "server/jobs/store.h"
-#include "server/jobs/turns.h"
+#include "server/jobs/store/files.h"
+#include "server/jobs/store/store.h"
+#include "server/jobs/store/turns.h"
+#include "server/jobs/worker/local_executor.h"
 
 namespace tenter::jobs {
 

@@ -23,8 +23,8 @@
 #include <vector>
 
 #include "common/base/error.h"
+#include "server/jobs/store/uploads.h"
 #include "server/jobs/types.h"
-#include "server/jobs/uploads.h"
 
 namespace tenter::jobs {
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "server/jobs/files.h"
+#include "server/jobs/store/files.h"
 
 namespace tenter::jobs {
 

@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "common/base/error.h"
-#include "server/jobs/executor.h"
-#include "server/jobs/queue.h"
-#include "server/jobs/store.h"
+#include "server/jobs/queue/queue.h"
+#include "server/jobs/store/store.h"
+#include "server/jobs/worker/executor.h"
 
 namespace tenter::jobs {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "common/base/error.h"
-#include "server/jobs/run_job.h"
+#include "server/jobs/results/run_job.h"
 
 namespace tenter::jobs {
 

@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "common/base/sha256.h"
-#include "server/jobs/queue.h"
-#include "server/jobs/store.h"
-#include "server/jobs/uploads.h"
+#include "server/jobs/queue/queue.h"
+#include "server/jobs/store/store.h"
+#include "server/jobs/store/uploads.h"
 
 namespace {
 

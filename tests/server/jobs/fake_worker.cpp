@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "common/base/sha256.h"
-#include "server/jobs/worker_main.h"
+#include "server/jobs/worker/worker_main.h"
 
 namespace {
 

@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "common/base/sha256.h"
-#include "server/jobs/queue.h"
+#include "server/jobs/queue/queue.h"
 
 namespace tenter::jobs {
 

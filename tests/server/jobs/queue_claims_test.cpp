@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include "server/jobs/queue.h"
+#include "server/jobs/queue/queue.h"
 #include "tests/server/jobs/queue_fixture.h"
 
 namespace tenter::jobs {

@@ -8,8 +8,8 @@
 
 #include <fstream>
 
-#include "server/jobs/queue.h"
-#include "server/jobs/sqlite.h"
+#include "server/jobs/queue/queue.h"
+#include "server/jobs/queue/sqlite.h"
 #include "tests/server/jobs/queue_fixture.h"
 
 namespace tenter::jobs {

@@ -6,8 +6,8 @@
 #include <map>
 #include <random>
 
-#include "server/jobs/queue.h"
-#include "server/jobs/store.h"
+#include "server/jobs/queue/queue.h"
+#include "server/jobs/store/store.h"
 #include "tests/server/jobs/queue_fixture.h"
 
 namespace tenter::jobs {

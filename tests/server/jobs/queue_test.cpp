@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/queue.h"
+#include "server/jobs/queue/queue.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/store.h"
+#include "server/jobs/store/store.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>

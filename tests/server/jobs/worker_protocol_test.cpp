@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/worker_protocol.h"
+#include "server/jobs/worker/worker_protocol.h"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 #include "common/model/document.h"
 #include "common/model/presets.h"
 #include "common/scene/examples.h"
-#include "server/jobs/run_job.h"
+#include "server/jobs/results/run_job.h"
 
 namespace tenter::jobs {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/files.h"
+#include "server/jobs/store/files.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/uploads.h"
+#include "server/jobs/store/uploads.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -15,8 +15,8 @@
 
 #include "common/base/crc32c.h"
 #include "common/base/sha256.h"
-#include "server/jobs/files.h"
-#include "server/jobs/upload_transfer.h"
+#include "server/jobs/store/files.h"
+#include "server/jobs/store/upload_transfer.h"
 
 namespace tenter::jobs {
 

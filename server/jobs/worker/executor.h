@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "common/base/error.h"
-#include "server/jobs/queue.h"
-#include "server/jobs/run_job.h"
+#include "server/jobs/queue/queue.h"
+#include "server/jobs/results/run_job.h"
 
 namespace tenter::jobs {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/queue.h"
+#include "server/jobs/queue/queue.h"
 
 #include <time.h>
 
@@ -9,8 +9,8 @@
 #include <set>
 
 #include "common/base/sha256.h"
-#include "server/jobs/queue_change.h"
-#include "server/jobs/schema.h"
+#include "server/jobs/queue/queue_change.h"
+#include "server/jobs/queue/schema.h"
 
 namespace tenter::jobs {
 namespace {

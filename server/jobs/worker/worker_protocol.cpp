@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/worker_protocol.h"
+#include "server/jobs/worker/worker_protocol.h"
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "server/jobs/files.h"
+#include "server/jobs/store/files.h"
 
 namespace tenter::jobs {
 namespace {

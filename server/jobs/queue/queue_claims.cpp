@@ -4,8 +4,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "server/jobs/queue.h"
-#include "server/jobs/queue_change.h"
+#include "server/jobs/queue/queue.h"
+#include "server/jobs/queue/queue_change.h"
 
 namespace tenter::jobs {
 

@@ -14,7 +14,7 @@
 #include <stop_token>
 
 #include "common/base/error.h"
-#include "server/jobs/run_job.h"
+#include "server/jobs/results/run_job.h"
 
 namespace tenter::jobs {
 

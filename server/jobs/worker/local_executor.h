@@ -11,7 +11,7 @@
 #include <functional>
 #include <memory>
 
-#include "server/jobs/executor.h"
+#include "server/jobs/worker/executor.h"
 
 namespace tenter::jobs {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/run_job.h"
+#include "server/jobs/results/run_job.h"
 
 #include <nlohmann/json.hpp>
 #include <set>
@@ -9,7 +9,7 @@
 #include "common/capture/capture_file.h"
 #include "common/model/document.h"
 #include "server/diagnosis/diagnose.h"
-#include "server/jobs/result_document.h"
+#include "server/jobs/results/result_document.h"
 #include "server/jobs/scene/run_scene.h"
 
 namespace tenter::jobs {

@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "common/base/error.h"
-#include "server/jobs/files.h"
+#include "server/jobs/store/files.h"
 
 namespace tenter::jobs {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/schema.h"
+#include "server/jobs/queue/schema.h"
 
 #include <unistd.h>
 
 #include <cerrno>
 #include <system_error>
 
-#include "server/jobs/files.h"
+#include "server/jobs/store/files.h"
 
 namespace tenter::jobs {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/base/error.h"
-#include "server/jobs/sqlite.h"
+#include "server/jobs/queue/sqlite.h"
 
 namespace tenter::jobs {
 

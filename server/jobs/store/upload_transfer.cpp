@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/upload_transfer.h"
+#include "server/jobs/store/upload_transfer.h"
 
 #include <fcntl.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/local_executor.h"
+#include "server/jobs/worker/local_executor.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -17,9 +17,9 @@
 #include <mutex>
 #include <thread>
 
-#include "server/jobs/files.h"
-#include "server/jobs/worker_process.h"
-#include "server/jobs/worker_protocol.h"
+#include "server/jobs/store/files.h"
+#include "server/jobs/worker/worker_process.h"
+#include "server/jobs/worker/worker_protocol.h"
 
 namespace tenter::jobs {
 namespace {

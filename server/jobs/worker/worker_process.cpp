@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/worker_process.h"
+#include "server/jobs/worker/worker_process.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -14,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
-#include "server/jobs/files.h"
-#include "server/jobs/worker_protocol.h"
+#include "server/jobs/store/files.h"
+#include "server/jobs/worker/worker_protocol.h"
 
 extern char** environ;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/sqlite.h"
+#include "server/jobs/queue/sqlite.h"
 
 #include <sqlite3.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/queue_change.h"
+#include "server/jobs/queue/queue_change.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/result_document.h"
+#include "server/jobs/results/result_document.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "common/model/document.h"
 #include "server/diagnosis/verdicts.h"
-#include "server/jobs/result_figures.h"
+#include "server/jobs/results/result_figures.h"
 
 namespace tenter::jobs {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/result_figures.h"
+#include "server/jobs/results/result_figures.h"
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "server/jobs/result_document.h"
+#include "server/jobs/results/result_document.h"
 
 namespace tenter::jobs {
 namespace {

@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "common/base/error.h"
-#include "server/jobs/executor.h"
+#include "server/jobs/worker/executor.h"
 
 namespace tenter::jobs {
 

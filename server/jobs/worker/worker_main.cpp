@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/worker_main.h"
+#include "server/jobs/worker/worker_main.h"
 
 #include <pthread.h>
 #include <signal.h>
@@ -15,8 +15,8 @@
 #include <new>
 #include <thread>
 
-#include "server/jobs/files.h"
-#include "server/jobs/worker_protocol.h"
+#include "server/jobs/store/files.h"
+#include "server/jobs/worker/worker_protocol.h"
 
 namespace tenter::jobs {
 namespace {

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "common/base/sha256.h"
-#include "server/jobs/queue.h"
-#include "server/jobs/queue_change.h"
+#include "server/jobs/queue/queue.h"
+#include "server/jobs/queue/queue_change.h"
 
 namespace tenter::jobs {
 namespace {

@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "common/base/error.h"
-#include "server/jobs/files.h"
-#include "server/jobs/uploads.h"
+#include "server/jobs/store/files.h"
+#include "server/jobs/store/uploads.h"
 
 namespace tenter::jobs {
 

@@ -14,7 +14,7 @@
 #include <variant>
 
 #include "common/base/error.h"
-#include "server/jobs/executor.h"
+#include "server/jobs/worker/executor.h"
 
 namespace tenter::jobs {
 

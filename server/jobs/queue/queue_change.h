@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "server/jobs/queue.h"
-#include "server/jobs/sqlite.h"
+#include "server/jobs/queue/queue.h"
+#include "server/jobs/queue/sqlite.h"
 
 namespace tenter::jobs {
 

@@ -84,7 +84,8 @@ const std::vector<SourceFile>& sources() {
   return files;
 }
 
-/// "server/jobs/queue/queue.h" -> "server/jobs"; "server/tenterd.cpp" -> "server"; "idl/x" -> "idl".
+/// "server/jobs/queue/queue.h" -> "server/jobs"; "server/tenterd.cpp" -> "server"; "idl/x" ->
+/// "idl".
 std::string room_of(const std::string& path) {
   const fs::path p(path);
   auto part = p.begin();
@@ -204,7 +205,8 @@ TEST(Structure, FilesStayReadable) {
 
 /// The rules themselves: a wrong arrow would be seen.
 TEST(Structure, ReadsIncludeLines) {
-  EXPECT_EQ(included("#include \"server/jobs/queue/queue.h\"", '"', '"'), "server/jobs/queue/queue.h");
+  EXPECT_EQ(included("#include \"server/jobs/queue/queue.h\"", '"', '"'),
+            "server/jobs/queue/queue.h");
   EXPECT_EQ(included("  #include <hdf5.h>  // x", '<', '>'), "hdf5.h");
   EXPECT_EQ(included("// #include \"x.h\"", '"', '"'), "");
   EXPECT_EQ(room_of("server/mechanics/laws/dahl.cpp"), "server/mechanics");

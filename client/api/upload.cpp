@@ -82,7 +82,7 @@ class Upload {
 
   std::unique_ptr<wire::Writer<v1::Chunk>> writer_;
   std::unique_ptr<wire::Reader<v1::ChunkAck>> acks_;
-  std::optional<SpareHash> spare_hash_;  ///< reads file_
+  std::optional<HashBeside> hash_beside_;  ///< reads file_
 };
 
 Expected<UploadResult> Upload::run() {
@@ -116,7 +116,7 @@ Expected<UploadResult> Upload::run() {
 }
 
 void Upload::hash_if_slow() {
-  if (!sha256_.empty() || spare_hash_) return;
+  if (!sha256_.empty() || hash_beside_) return;
   const double so_far = std::chrono::duration<double>(Clock::now() - send_start_).count();
   if (so_far < kLookAfter) return;
   std::uint64_t chunks = 0, left = 0;
@@ -126,12 +126,12 @@ void Upload::hash_if_slow() {
     left = chunks_ - written_;
   }
   const double rest = so_far * static_cast<double>(left) / static_cast<double>(chunks + 1);
-  if (rest > static_cast<double>(size_) / kHashBytesPerS) spare_hash_.emplace(file_);
+  if (rest > static_cast<double>(size_) / kHashBytesPerS) hash_beside_.emplace(file_);
 }
 
 Expected<bool> Upload::already_known() {
-  if (!sha256_.empty() || !spare_hash_) return false;
-  sha256_ = spare_hash_->known();
+  if (!sha256_.empty() || !hash_beside_) return false;
+  sha256_ = hash_beside_->known();
   if (sha256_.empty()) return false;
   auto reply = ask(connection_, "capture.known", {{"sha256", sha256_}}, stop_);
   if (!reply) return tl::unexpected(reply.error());
@@ -255,7 +255,7 @@ Expected<Upload::Step> Upload::send() {
 
 // The reply says that the bytes are on the server's disk.
 Expected<Upload::Step> Upload::store() {
-  if (spare_hash_) spare_hash_->stop();
+  if (hash_beside_) hash_beside_->stop();
   auto checksums = file_.checksums();
   if (!checksums) return tl::unexpected(checksums.error());
   auto reply = ask(connection_, "capture.store",

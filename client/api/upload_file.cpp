@@ -2,8 +2,6 @@
 #include "client/api/upload_file.h"
 
 #include <fcntl.h>
-#include <pthread.h>
-#include <sched.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -138,10 +136,8 @@ Expected<v1::Chunk*> ReadAhead::next() {
   return chunk;
 }
 
-SpareHash::SpareHash(const UploadFile& file)
+HashBeside::HashBeside(const UploadFile& file)
     : thread_([this, &file](const std::stop_token& stop) {
-        const sched_param none{};
-        if (::pthread_setschedparam(::pthread_self(), SCHED_IDLE, &none) != 0) return;
         auto hash = file.sha256(stop);
         if (!hash || hash->empty()) return;
         hash_ = std::move(*hash);

@@ -75,18 +75,18 @@ class ReadAhead {
   std::jthread thread_;  ///< last: it uses the others
 };
 
-/// The SHA-256 of a file by what the processors have to spare: behind a slow network it is known
-/// long before all is sent, and may show that the server has the file. Ends with the object.
-class SpareHash {
+/// The SHA-256 of a file, made beside its sending: where sending is slow it is known long before
+/// all is sent, and may show that the server has the file. Ends with the object.
+class HashBeside {
  public:
-  explicit SpareHash(const UploadFile& file);
+  explicit HashBeside(const UploadFile& file);
   /// "" while it is not known; when the file cannot be read, for ever.
   std::string known() const { return ready_ ? hash_ : std::string(); }
   void stop() { thread_.request_stop(); }
 
  private:
   std::string hash_;
-  std::atomic<bool> ready_{false};  // no lock: the thread may be put aside while it holds one
+  std::atomic<bool> ready_{false};
   std::jthread thread_;
 };
 

@@ -152,7 +152,7 @@ TEST(TransfersOverDds, AFileThatIsThereIsNotSentToItsEndWhereSendingIsSlow) {
   auto second = client.upload_capture(file, [&](const client::TransferProgress& progress) {
     if (progress.stored) return;
     sent = progress.bytes_done;
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    std::this_thread::sleep_for(std::chrono::milliseconds(250));  // all of it would take 9 s
   });
   ASSERT_TRUE(second) << second.error().message;
   EXPECT_TRUE(second->already_stored);

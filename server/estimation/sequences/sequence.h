@@ -10,6 +10,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,13 @@ struct ForceChannel {
 };
 
 struct SequenceFrame {
+  int boundary = 0;                    ///< of the sequence's, from 0
   std::vector<mechanics::Pose> clips;  ///< of prescribed clips; free ones start from here
+  Eigen::Matrix3Xd
+      held_m;  ///< places of the boundary's held nodes; empty: where the start has them
+  /// Where to start from: a measured configuration (thesis 3.4.1). None: the frame before, of the
+  /// first one the sequence's start.
+  std::optional<mechanics::State> start;
   std::vector<std::vector<Eigen::Vector3d>> cord_force_N;  ///< as in Loads; empty: none
   Eigen::Matrix3Xd points_m;                               ///< one column a PointChannel
   Eigen::VectorXd forces_N;                                ///< one a ForceChannel
@@ -41,16 +48,25 @@ struct SequenceFrame {
 struct Sequence {
   std::string name;
   mechanics::Cloth cloth;
-  mechanics::Boundary boundary;
+  /// What is held and clamped. A strip pushed over a table's edge holds other nodes in every frame;
+  /// clips are the same in all, but may be free in one and prescribed in another.
+  std::vector<mechanics::Boundary> boundaries;
   mechanics::Loads loads;  ///< gravity and masses; cord forces come with the frames
   mechanics::State start;  ///< near the first frame; held nodes stay where it has them
+  double weight = 1.0;     ///< of its part of the cost, beside what the fit's weighting gives it
   std::vector<PointChannel> points;
   std::vector<ForceChannel> forces;
   std::vector<SequenceFrame> frames;
 };
 
 /// bad_input names the sequence and frame: sizes that do not fit, a sigma that is not positive, a
-/// direction not of unit length, a clip that is none, a point outside of the mesh.
+/// direction not of unit length, a clip or boundary that is none, clips that differ from boundary
+/// to boundary, a point outside of the mesh, a weight that is negative or no number.
 Expected<void> check(const Sequence& sequence);
+
+/// Puts what the frame prescribes into `state`: held nodes, poses of prescribed clips, and those of
+/// free ones where they are asked to start anew. Nodes of clips follow their poses when solved.
+void prescribe(const Sequence& sequence, std::size_t frame, bool with_free_clips,
+               mechanics::State& state);
 
 }  // namespace tenter::estimation

@@ -77,8 +77,9 @@ Expected<SequenceEvaluator> SequenceEvaluator::make(const model::Model& model,
     auto made = MeshModel::make(model, sequence.cloth);
     if (!made) return bad_input("sequence \"" + sequence.name + "\": " + made.error().message);
     auto bound = std::make_shared<Bound>(Bound{std::move(*made), {}, {}});
-    if (auto solver = EquilibriumSolver::make(bound->model, sequence.boundary); !solver)
-      return bad_input("sequence \"" + sequence.name + "\": " + solver.error().message);
+    for (const mechanics::Boundary& boundary : sequence.boundaries)
+      if (auto solver = EquilibriumSolver::make(bound->model, boundary); !solver)
+        return bad_input("sequence \"" + sequence.name + "\": " + solver.error().message);
     for (const PointChannel& point : sequence.points)
       bound->locations.push_back(*locate(sequence.cloth.mesh, point.material_m));
     const int channels = channel_count(sequence);
@@ -104,7 +105,9 @@ Expected<SequenceEvaluator> SequenceEvaluator::make(const model::Model& model,
   if (result.rows_.empty()) return bad_input("the sequences hold no measured value");
   result.sequences_ = std::move(sequences);
   result.solvers_.resize(static_cast<std::size_t>(std::max(1, options.threads)));
-  for (auto& of_thread : result.solvers_) of_thread.resize(result.sequences_.size());
+  for (auto& of_thread : result.solvers_)
+    for (const Sequence& sequence : result.sequences_)
+      of_thread.emplace_back().resize(sequence.boundaries.size());
   return result;
 }
 
@@ -123,9 +126,8 @@ PathStatus SequenceEvaluator::evaluate(const Eigen::VectorXd& parameters,
     for (const auto& work : works) work->failure.clear();
 
   if (!has_base_) {
-    in_parallel(options_.threads, static_cast<int>(sequences_.size()), [&](int thread, int s) {
-      walk(static_cast<std::size_t>(s), solver_of(thread, s), parameters);
-    });
+    in_parallel(options_.threads, static_cast<int>(sequences_.size()),
+                [&](int thread, int s) { walk(static_cast<std::size_t>(s), thread, parameters); });
     if (collect_failure()) return PathStatus::no_equilibrium;
   }
   std::vector<std::pair<std::size_t, std::size_t>> jobs;
@@ -135,7 +137,7 @@ PathStatus SequenceEvaluator::evaluate(const Eigen::VectorXd& parameters,
   in_parallel(options_.threads, static_cast<int>(jobs.size()), [&](int thread, int k) {
     const auto [s, f] = jobs[static_cast<std::size_t>(k)];
     FrameWork& work = *frames_[s][f];
-    EquilibriumSolver& solver = solver_of(thread, static_cast<int>(s));
+    EquilibriumSolver& solver = solver_of(thread, s, f);
     work.state = work.base;
     if (has_base_) {
       work.state.x += work.by_parameter.x * (parameters - base_parameters_);
@@ -163,24 +165,27 @@ PathStatus SequenceEvaluator::evaluate(const Eigen::VectorXd& parameters,
                                                                        : PathStatus::not_finite;
 }
 
-EquilibriumSolver& SequenceEvaluator::solver_of(int thread, int sequence) {
-  auto& solver = solvers_[static_cast<std::size_t>(thread)][static_cast<std::size_t>(sequence)];
-  if (!solver) {
-    const auto s = static_cast<std::size_t>(sequence);
+EquilibriumSolver& SequenceEvaluator::solver_of(int thread, std::size_t sequence,
+                                                std::size_t frame) {
+  const Sequence& of = sequences_[sequence];
+  const auto boundary = static_cast<std::size_t>(of.frames[frame].boundary);
+  auto& solver = solvers_[static_cast<std::size_t>(thread)][sequence][boundary];
+  if (!solver)
     solver = std::make_unique<EquilibriumSolver>(
-        EquilibriumSolver::make(bound_[s]->model, sequences_[s].boundary).value());
-  }
+        EquilibriumSolver::make(bound_[sequence]->model, of.boundaries[boundary]).value());
   return *solver;
 }
 
 /// All frames of a sequence one after the other, from its start: fills their `base`.
-bool SequenceEvaluator::walk(std::size_t sequence, EquilibriumSolver& solver,
-                             const Eigen::VectorXd& parameters) {
+bool SequenceEvaluator::walk(std::size_t sequence, int thread, const Eigen::VectorXd& parameters) {
   State state = sequences_[sequence].start;
   for (std::size_t f = 0; f < frames_[sequence].size(); ++f) {
     FrameWork& work = *frames_[sequence][f];
-    work.state = state;
-    if (!solve_frame(sequence, f, solver, parameters, f > 0, false)) return false;
+    const auto& start = sequences_[sequence].frames[f].start;
+    work.state = start ? *start : state;
+    const bool is_near = f > 0 && !start;
+    EquilibriumSolver& solver = solver_of(thread, sequence, f);
+    if (!solve_frame(sequence, f, solver, parameters, is_near, false)) return false;
     state = work.state;
     work.base = state;
   }
@@ -195,9 +200,7 @@ bool SequenceEvaluator::solve_frame(std::size_t sequence, std::size_t frame,
   FrameWork& work = *frames_[sequence][frame];
   mechanics::Loads loads = measured.loads;
   loads.cord_force_N = at.cord_force_N;
-  work.state.clips.resize(at.clips.size());
-  for (std::size_t c = 0; c < at.clips.size(); ++c)
-    if (!measured.boundary.clips[c].is_free || !is_near) work.state.clips[c] = at.clips[c];
+  prescribe(measured, frame, !is_near, work.state);
   EquilibriumOptions options;
   options.tolerance_N = options_.tolerance_N;
   options.start_is_near = is_near;
@@ -224,6 +227,8 @@ void SequenceEvaluator::write_rows(std::size_t sequence, std::size_t frame,
   const Sequence& measured = sequences_[sequence];
   const Bound& bound = *bound_[sequence];
   const FrameWork& work = *frames_[sequence][frame];
+  const mechanics::Boundary& boundary =
+      measured.boundaries[static_cast<std::size_t>(measured.frames[frame].boundary)];
   const auto points = static_cast<int>(measured.points.size());
   for (int c = 0; c < channel_count(measured); ++c) {
     const int row = bound.row_of[frame][static_cast<std::size_t>(c)];
@@ -241,7 +246,7 @@ void SequenceEvaluator::write_rows(std::size_t sequence, std::size_t frame,
                   work.by_parameter.x.row(3 * static_cast<Eigen::Index>(place.nodes[a]) + c % 3);
     } else {
       const ForceChannel& force = measured.forces[static_cast<std::size_t>(c - 3 * points)];
-      const mechanics::Clip& clip = measured.boundary.clips[static_cast<std::size_t>(force.clip)];
+      const mechanics::Clip& clip = boundary.clips[static_cast<std::size_t>(force.clip)];
       sigma = force.sigma_N;
       // the cords bear what the cloth pulls and what the clip weighs
       const Eigen::Vector3d pull =

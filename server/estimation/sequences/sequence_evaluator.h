@@ -55,10 +55,9 @@ class SequenceEvaluator final : public ResidualFunction {
   struct FrameWork;  ///< what is kept of a frame
 
   SequenceEvaluator() = default;
-  /// Made when first wanted: a thread's own for each sequence.
-  mechanics::EquilibriumSolver& solver_of(int thread, int sequence);
-  bool walk(std::size_t sequence, mechanics::EquilibriumSolver& solver,
-            const Eigen::VectorXd& parameters);
+  /// Made when first wanted: a thread's own for each boundary of each sequence.
+  mechanics::EquilibriumSolver& solver_of(int thread, std::size_t sequence, std::size_t frame);
+  bool walk(std::size_t sequence, int thread, const Eigen::VectorXd& parameters);
   bool solve_frame(std::size_t sequence, std::size_t frame, mechanics::EquilibriumSolver& solver,
                    const Eigen::VectorXd& parameters, bool is_near, bool wants_sensitivity);
   void write_rows(std::size_t sequence, std::size_t frame, Eigen::VectorXd& residuals,
@@ -68,7 +67,8 @@ class SequenceEvaluator final : public ResidualFunction {
   std::vector<Sequence> sequences_;
   std::vector<std::shared_ptr<const Bound>> bound_;
   std::vector<std::vector<std::shared_ptr<FrameWork>>> frames_;
-  std::vector<std::vector<std::unique_ptr<mechanics::EquilibriumSolver>>> solvers_;
+  /// [thread][sequence][boundary]
+  std::vector<std::vector<std::vector<std::unique_ptr<mechanics::EquilibriumSolver>>>> solvers_;
   std::vector<Row> rows_;
   std::vector<std::vector<mechanics::State>> states_;
   std::string failure_;

@@ -56,8 +56,9 @@ Sequence between_bars(const std::string& name, bool along_weft, const Eigen::Vec
     second.push_back(along_weft ? grid.node(8, i) : grid.node(i, 8));
   }
   const Pose at_rest;
-  sequence.boundary.clips = {clip_on("fixed", first, sequence.start.x, at_rest),
-                             clip_on("moved", second, sequence.start.x, at_rest)};
+  sequence.boundaries.resize(1);
+  sequence.boundaries[0].clips = {clip_on("fixed", first, sequence.start.x, at_rest),
+                                  clip_on("moved", second, sequence.start.x, at_rest)};
   sequence.start.clips = {at_rest, at_rest};
   const auto masses = mechanics::lumped_masses_kg(mesh, 0.15);
   sequence.loads.node_mass_kg =
@@ -83,7 +84,7 @@ Sequence between_bars(const std::string& name, bool along_weft, const Eigen::Vec
 void measure(Sequence& sequence, const Eigen::VectorXd& truth, std::mt19937& random) {
   std::normal_distribution<double> normal;
   const MeshModel model = MeshModel::make(cloth_model(truth), sequence.cloth).value();
-  auto solver = EquilibriumSolver::make(model, sequence.boundary).value();
+  auto solver = EquilibriumSolver::make(model, sequence.boundaries[0]).value();
   EquilibriumOptions options;
   options.minimiser = mechanics::Minimiser::additive_lm;
   options.tolerance_N = 1e-9;
@@ -116,7 +117,7 @@ void measure(Sequence& sequence, const Eigen::VectorXd& truth, std::mt19937& ran
         frame.points_m(c, k) = position[c] + kPointSigma_m * normal(random);
     }
     Eigen::Vector3d pull = Eigen::Vector3d::Zero();
-    for (const int node : sequence.boundary.clips[1].nodes)
+    for (const int node : sequence.boundaries[0].clips[1].nodes)
       pull += result->by_node.segment<3>(3 * node);
     frame.forces_N[0] = pull.dot(sequence.forces[0].direction) + kForceSigma_N * normal(random);
   }

@@ -45,7 +45,7 @@ void PresenceTable::tidy() {
   std::erase_if(entries_, [&](const auto& entry) { return entry.second.last_seen < silent_since; });
 }
 
-std::vector<PresentClient> PresenceTable::clients() const {
+std::vector<PresentClient> PresenceTable::clients(const Caller& asking) const {
   const auto now = Clock::now();
   std::vector<PresentClient> clients;
   {
@@ -54,6 +54,7 @@ std::vector<PresentClient> PresenceTable::clients() const {
       clients.push_back(entry.client);
       clients.back().connected_s = std::chrono::duration<double>(now - entry.since).count();
     }
+    if (!entries_.contains(asking.client)) clients.push_back({asking.user, "", 0, 0});
   }
   std::sort(clients.begin(), clients.end(), [](const PresentClient& a, const PresentClient& b) {
     return a.connected_s > b.connected_s;

@@ -13,6 +13,7 @@
 
 #include "common/wire/endpoint.h"
 #include "server/service/context.h"
+#include "server/service/operations.h"
 
 namespace tenter::service {
 
@@ -28,8 +29,9 @@ class PresenceTable {
   explicit PresenceTable(const Context& context);
   ~PresenceTable();
 
-  /// Any thread; the longest connected first.
-  std::vector<PresentClient> clients() const;
+  /// Any thread; the longest connected first. `asking` is among them, also where its request was
+  /// faster than its first word on this topic; then without a name.
+  std::vector<PresentClient> clients(const Caller& asking) const;
   /// Loop thread, now and then.
   void tidy();
 

@@ -87,7 +87,8 @@ class Service::Impl {
     add_job_operations(operations, jobs_);
     uploads_->add_operations(operations);
     downloads_->add_operations(operations);
-    operations["server.status"] = {[this](const Caller&, const json&) { return status(); }};
+    operations["server.status"] = {
+        [this](const Caller& caller, const json&) { return status(caller); }};
     requests_ = std::make_unique<RequestEndpoint>(context, std::move(operations));
     jobs_.set_listener(
         [publisher = publisher_.get()](const jobs::JobEvent& event) { publisher->publish(event); });
@@ -121,10 +122,10 @@ class Service::Impl {
       options_.log(Level::error, sent.error().message);
   }
 
-  Expected<json> status() {
+  Expected<json> status(const Caller& caller) {
     auto numbers = jobs_.status();
     if (!numbers) return tl::unexpected(numbers.error());
-    const auto present = presence_->clients();
+    const auto present = presence_->clients(caller);
     json clients = json::array();
     for (std::size_t i = 0; i < present.size() && i < kMostClientsShown; ++i)
       clients.push_back({{"user", present[i].user},

@@ -40,7 +40,9 @@ std::string status_text(const Json& status) {
   row("workers", cell(workers, "busy") + " of " + cell(workers, "slots") + " busy");
   std::string clients;
   for (const Json& client : status.value("clients", Json::array())) {
-    const std::string who = cell(client, "user") + " (" + cell(client, "name") + ")";
+    const std::string name_of_client = client.value("name", "");
+    const std::string who =
+        cell(client, "user") + (name_of_client.empty() ? "" : " (" + name_of_client + ")");
     if (clients.find(who) == std::string::npos) clients += (clients.empty() ? "" : ", ") + who;
   }
   row("clients", clients.empty() ? "none" : clients);

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "common/capture/sheet/sheet.h"
+
 namespace tenter::capture {
 
 /// What a channel measures; its SI unit follows from it (unit_of).
@@ -130,7 +132,7 @@ struct Provenance {
 };
 
 struct Capture {
-  std::string kind;  ///< "homogeneous_strain" | "tracked_points"
+  std::string kind;  ///< "homogeneous_strain" | "tracked_points" | "deforming_sheet"
   std::string title;
   Specimen specimen;
   Protocol protocol;
@@ -146,6 +148,7 @@ struct Capture {
   std::vector<Branch> branch;
   std::vector<double> time_s;  ///< empty where no time was recorded
   std::vector<Channel> channels;
+  std::optional<Sheet> sheet;  ///< of kind "deforming_sheet", which has no channels, and only there
 
   std::size_t frame_count() const { return run.size(); }
   const Channel* find(const std::string& name) const {

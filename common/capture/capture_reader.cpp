@@ -6,6 +6,8 @@
 
 #include "common/capture/capture_file.h"
 #include "common/capture/layout.h"
+#include "common/capture/layout_source.h"
+#include "common/capture/sheet/sheet_file.h"
 #include "common/capture/validate.h"
 #include "common/capture/vocabulary.h"
 #include "common/h5/guard.h"
@@ -17,75 +19,6 @@ namespace {
 
 using h5::H5Reader;
 using namespace layout;
-
-/// Reads with the first failure kept, so that the layout reads as a list; check `error` before use.
-class Source {
- public:
-  explicit Source(const H5Reader& file) : file_(file) {}
-
-  bool ok() const { return !error_; }
-  const Error& error() const { return *error_; }
-  void complain(const std::string& object, const std::string& what) {
-    if (ok()) error_ = file_.complaint(object, what).value();
-  }
-
-  std::string text(const std::string& path) { return take(file_.text(path)); }
-  double number(const std::string& path) { return take(file_.number(path)); }
-  std::int64_t integer(const std::string& path) { return take(file_.integer(path)); }
-  std::vector<double> doubles(const std::string& path) { return take(file_.doubles(path)); }
-  std::vector<int> ints(const std::string& path) { return take(file_.ints(path)); }
-  std::vector<std::string> texts(const std::string& path) { return take(file_.texts(path)); }
-  std::string text_attribute(const std::string& path, const std::string& name) {
-    return take(file_.text_attribute(path, name));
-  }
-  double number_attribute(const std::string& path, const std::string& name) {
-    return take(file_.number_attribute(path, name));
-  }
-  std::int64_t integer_attribute(const std::string& path, const std::string& name) {
-    return take(file_.integer_attribute(path, name));
-  }
-  std::vector<std::string> members(const std::string& path) { return take(file_.members(path)); }
-
-  bool has(const std::string& path) { return ok() && take(file_.has(path)); }
-  bool has_attribute(const std::string& path, const std::string& name) {
-    return ok() && take(file_.has_attribute(path, name));
-  }
-  std::optional<double> optional_number(const std::string& path, const std::string& unit) {
-    if (!has(path)) return std::nullopt;
-    check_unit(path, unit);
-    return number(path);
-  }
-  void check_unit(const std::string& path, const std::string& unit) {
-    const std::string got = text_attribute(path, "units");
-    if (ok() && got != unit)
-      complain(path, "has units \"" + got + "\" where the layout says \"" + unit + "\"");
-  }
-  template <class Enum>
-  Enum word(const std::string& path, const std::string& text) {
-    const std::optional<Enum> value = from_word<Enum>(text);
-    if (!value) complain(path, "is \"" + text + "\", not one of " + words<Enum>());
-    return value.value_or(Enum{});
-  }
-
- private:
-  template <class T>
-  T take(Expected<T> value) {
-    if (value) return std::move(*value);
-    if (ok()) error_ = value.error();
-    return T{};
-  }
-
-  const H5Reader& file_;
-  std::optional<Error> error_;
-};
-
-/// The layout's own objects inside a group; anything else is listed as ignored.
-void list_ignored(Source& in, const std::string& group, const std::set<std::string>& known,
-                  std::vector<std::string>* ignored) {
-  if (!ignored || !in.ok()) return;
-  for (const std::string& name : in.members(group))
-    if (known.count(name) == 0) ignored->push_back((group == "/" ? "" : group) + "/" + name);
-}
 
 Channel read_channel(Source& in, const std::string& name) {
   const std::string path = kData + "/" + name;
@@ -225,17 +158,20 @@ void read_provenance(Source& in, Provenance& provenance) {
   provenance.imported_sha256 = in.text(kProvenance + "/imported_sha256");
 }
 
-/// Schema and version first: another kind of HDF5 file gets the sentence that says so.
-void read_identity(Source& in) {
+/// Schema and version first: another kind of HDF5 file gets the sentence that says so. Is it of the
+/// version that has a sheet?
+bool read_identity(Source& in) {
   if (!in.has_attribute("/", "schema"))
-    return in.complain("/", "has no attribute \"schema\"; it is not a capture of Tenter");
+    in.complain("/", "has no attribute \"schema\"; it is not a capture of Tenter");
   const std::string schema = in.text_attribute("/", "schema");
   if (in.ok() && schema != kSchema)
     in.complain("/", "has schema \"" + schema + "\", not \"" + kSchema + "\"");
   const std::int64_t version = in.integer_attribute("/", "version");
-  if (in.ok() && version != kVersion)
+  if (in.ok() && version != kVersion && version != kSheetVersion)
     in.complain("/", "has version " + std::to_string(version) +
-                         " of the layout; this program reads " + std::to_string(kVersion));
+                         " of the layout; this program reads " + std::to_string(kVersion) +
+                         " and " + std::to_string(kSheetVersion));
+  return version == kSheetVersion;
 }
 
 }  // namespace
@@ -246,7 +182,7 @@ Expected<Capture> read_capture(const std::string& path, std::vector<std::string>
   Source in(*file);
   Capture capture;
   std::vector<std::string> unknown;
-  read_identity(in);
+  const bool has_sheet = read_identity(in);
   if (in.ok()) {
     capture.title = in.text(kEntry + "/title");
     capture.kind = in.text(kEntry + "/kind");
@@ -257,11 +193,14 @@ Expected<Capture> read_capture(const std::string& path, std::vector<std::string>
   if (in.ok()) read_protocol(in, capture);
   if (in.ok()) read_mechanics(in, capture);
   if (in.ok()) read_provenance(in, capture.provenance);
+  std::set<std::string> known = {"title", "kind",       "data",     "sample",    "protocol",
+                                 "runs",  "kinematics", "stresses", "provenance"};
+  if (has_sheet) {
+    if (in.ok()) capture.sheet = read_sheet(in, capture.frame_count(), &unknown);
+    known.insert({"meshes", "clips", "cords", "supports", "gravity"});
+  }
   list_ignored(in, "/", {"entry"}, &unknown);
-  list_ignored(in, kEntry,
-               {"title", "kind", "data", "sample", "protocol", "runs", "kinematics", "stresses",
-                "provenance"},
-               &unknown);
+  list_ignored(in, kEntry, known, &unknown);
   if (!in.ok()) return tl::unexpected(in.error());
   if (auto ok = validate(capture); !ok)
     return fail(ok.error().kind, path + ": " + ok.error().message + ".");

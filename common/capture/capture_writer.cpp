@@ -3,6 +3,7 @@
 
 #include "common/capture/capture_file.h"
 #include "common/capture/layout.h"
+#include "common/capture/sheet/sheet_file.h"
 #include "common/capture/validate.h"
 #include "common/capture/vocabulary.h"
 #include "common/h5/writer.h"
@@ -53,8 +54,10 @@ void write_channel(H5Writer& file, const Channel& channel, std::size_t order) {
 
 void write_data(H5Writer& file, const Capture& capture) {
   file.group(kData, "NXdata");
-  file.attribute(kData, "signal", default_signal(capture));
-  file.attribute(kData, "axes", std::vector<std::string>{default_axis(capture)});
+  if (!capture.channels.empty()) {
+    file.attribute(kData, "signal", default_signal(capture));
+    file.attribute(kData, "axes", std::vector<std::string>{default_axis(capture)});
+  }
   file.array(kData + "/frame", capture.frame);
   file.array(kData + "/run", capture.run);
   file.array(kData + "/phase", capture.phase);
@@ -167,9 +170,9 @@ Expected<void> write_capture(const Capture& capture, const std::string& path) {
   file.group("/", "NXroot");
   file.attribute("/", "default", std::string("entry"));
   file.attribute("/", "schema", std::string(kSchema));
-  file.attribute("/", "version", kVersion);
+  file.attribute("/", "version", capture.sheet ? kSheetVersion : kVersion);
   file.group(kEntry, "NXentry");
-  file.attribute(kEntry, "default", std::string("data"));
+  file.attribute(kEntry, "default", capture.sheet ? default_group(*capture.sheet) : "data");
   file.text(kEntry + "/title", capture.title);
   file.text(kEntry + "/kind", capture.kind);
   write_data(file, capture);
@@ -177,6 +180,7 @@ Expected<void> write_capture(const Capture& capture, const std::string& path) {
   write_protocol(file, capture);
   write_mechanics(file, capture);
   write_provenance(file, capture.provenance);
+  if (capture.sheet) write_sheet(file, *capture.sheet, capture.frame_count());
   return std::move(file).save();
 }
 

@@ -2,13 +2,13 @@
 #include "common/capture/show.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "common/capture/sheet/sheet_show.h"
+#include "common/capture/show_words.h"
 #include "common/capture/vocabulary.h"
 
 namespace tenter::capture {
@@ -16,17 +16,6 @@ namespace tenter::capture {
 namespace {
 
 using nlohmann::ordered_json;
-
-std::string number(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.6g", value);
-  return text.data();
-}
-
-std::string padded(std::string text, std::size_t width) {
-  if (text.size() < width) text.append(width - text.size(), ' ');
-  return text;
-}
 
 struct Extent {
   double low = std::numeric_limits<double>::quiet_NaN();
@@ -190,9 +179,11 @@ std::string show_text(const Capture& capture) {
   for (const auto& [group, count] : groups)
     if (count > 1) line("repeats", std::to_string(count) + " runs of group " + group);
   line("time", time_in_words(capture));
-  line("stretch x", axis_in_words(capture.kinematics.x));
-  line("stretch y", axis_in_words(capture.kinematics.y));
-  line("shear xy", axis_in_words(capture.kinematics.xy));
+  if (!capture.sheet) {
+    line("stretch x", axis_in_words(capture.kinematics.x));
+    line("stretch y", axis_in_words(capture.kinematics.y));
+    line("shear xy", axis_in_words(capture.kinematics.xy));
+  }
   for (const StressAssignment& stress : capture.stresses)
     line("stress " + stress.component, "channel " + stress.channel);
   const Provenance& p = capture.provenance;
@@ -203,6 +194,7 @@ std::string show_text(const Capture& capture) {
   line("notes", p.notes);
   if (!p.imported_from.empty())
     line("imported", p.imported_from + ", SHA-256 " + p.imported_sha256);
+  if (capture.sheet) return out + sheet_text(*capture.sheet);
   std::size_t width = 0;
   for (const Channel& channel : capture.channels) width = std::max(width, channel.name.size());
   out += "channels\n";
@@ -243,6 +235,7 @@ ordered_json show_json(const Capture& capture) {
   const Extent time = extent_of(capture.time_s);
   out["time_s"] =
       capture.time_s.empty() ? ordered_json(nullptr) : ordered_json::array({time.low, time.high});
+  if (capture.sheet) out["sheet"] = sheet_json(*capture.sheet);
   out["kinematics"] = {{"x", axis_in_words(capture.kinematics.x)},
                        {"y", axis_in_words(capture.kinematics.y)},
                        {"xy", axis_in_words(capture.kinematics.xy)}};

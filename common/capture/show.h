@@ -13,8 +13,8 @@ namespace tenter::capture {
 
 std::string show_text(const Capture& capture);
 
-/// Keys: kind, title, synthetic, specimen, protocol, frames, runs, branches, time_s, kinematics,
-/// stresses, channels, provenance.
+/// Keys: kind, title, synthetic, specimen, protocol, frames, runs, branches, time_s, sheet (where
+/// there is one), kinematics, stresses, channels, provenance.
 nlohmann::ordered_json show_json(const Capture& capture);
 
 /// "prescribed: distance of top_pin and bottom_pin over that of the first frame of the capture"

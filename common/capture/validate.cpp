@@ -3,67 +3,22 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
-#include <cstdint>
 #include <set>
 
+#include "common/capture/sheet/sheet_validate.h"
+#include "common/capture/text_checks.h"
 #include "common/capture/vocabulary.h"
 
 namespace tenter::capture {
 
 namespace {
 
-constexpr std::size_t kMaxText = 32000;  // fits an HDF5 object header
 constexpr std::size_t kMaxChannels = 10000;
 
 const std::set<std::string>& reserved_names() {
   static const std::set<std::string> names = {"frame", "run", "phase", "branch", "time"};
   return names;
-}
-
-std::string quoted(const std::string& text) {
-  return "\"" + text + "\"";
-}
-
-bool well_formed(const std::string& name) {
-  return !name.empty() && name.size() <= 200 &&
-         std::all_of(name.begin(), name.end(),
-                     [](unsigned char c) { return c < 128 && (std::isalnum(c) != 0 || c == '_'); });
-}
-
-/// Why a text cannot be kept, or "": valid UTF-8 without control characters (line end and tab
-/// apart), so that it can go into JSON, pages and terminals as it is.
-std::string trouble_in(const std::string& text) {
-  if (text.size() > kMaxText) return "is longer than " + std::to_string(kMaxText) + " bytes";
-  for (std::size_t i = 0; i < text.size();) {
-    const auto lead = static_cast<unsigned char>(text[i]);
-    if ((lead < 0x20 && lead != '\n' && lead != '\t') || lead == 0x7f)
-      return "holds a control character";
-    const std::size_t length = lead < 0x80   ? 1
-                               : lead < 0xc2 ? 0
-                               : lead < 0xe0 ? 2
-                               : lead < 0xf0 ? 3
-                               : lead < 0xf5 ? 4
-                                             : 0;
-    if (length == 0 || i + length > text.size()) return "is not valid UTF-8";
-    std::uint32_t code = length == 1 ? lead : lead & (0xffU >> (length + 1));
-    for (std::size_t k = 1; k < length; ++k) {
-      const auto next = static_cast<unsigned char>(text[i + k]);
-      if ((next & 0xc0U) != 0x80U) return "is not valid UTF-8";
-      code = code << 6 | (next & 0x3fU);
-    }
-    const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
-    if (overlong || code > 0x10ffff || (code >= 0xd800 && code < 0xe000))
-      return "is not valid UTF-8";
-    i += length;
-  }
-  return "";
-}
-
-std::string at_frame(const Capture& capture, std::size_t i) {
-  return "run " + std::to_string(capture.runs[static_cast<std::size_t>(capture.run[i])].number) +
-         ", frame " + std::to_string(capture.frame[i]);
 }
 
 Expected<void> check_texts(const Capture& capture) {
@@ -85,9 +40,13 @@ Expected<void> check_texts(const Capture& capture) {
     const std::string trouble = trouble_in(*text);
     if (!trouble.empty()) return bad_input(std::string(name) + " " + trouble);
   }
-  if (capture.kind != "homogeneous_strain" && capture.kind != "tracked_points")
+  if (capture.kind != "homogeneous_strain" && capture.kind != "tracked_points" &&
+      capture.kind != "deforming_sheet")
     return bad_input("kind " + quoted(capture.kind) +
-                     " is not one of homogeneous_strain, tracked_points");
+                     " is not one of homogeneous_strain, tracked_points, deforming_sheet");
+  if (capture.sheet.has_value() != (capture.kind == "deforming_sheet"))
+    return bad_input(capture.sheet ? "a capture of kind " + quoted(capture.kind) + " has no sheet"
+                                   : "a capture of kind \"deforming_sheet\" needs a sheet");
   return {};
 }
 
@@ -178,7 +137,10 @@ Expected<void> check_values(const Capture& capture, const Channel& channel) {
 }
 
 Expected<void> check_channels(const Capture& capture) {
-  if (capture.channels.empty()) return bad_input("the capture has no channels");
+  if (capture.sheet && !capture.channels.empty())
+    return bad_input("a deforming sheet has no channels, but here is " +
+                     quoted(capture.channels.front().name));
+  if (!capture.sheet && capture.channels.empty()) return bad_input("the capture has no channels");
   if (capture.channels.size() > kMaxChannels) return bad_input("the capture has too many channels");
   std::set<std::string> names;
   std::set<std::pair<std::string, char>> coordinates;
@@ -345,7 +307,8 @@ Expected<void> validate(const Capture& capture) {
   if (auto ok = check_axis(capture, "x", capture.kinematics.x); !ok) return ok;
   if (auto ok = check_axis(capture, "y", capture.kinematics.y); !ok) return ok;
   if (auto ok = check_axis(capture, "xy", capture.kinematics.xy); !ok) return ok;
-  return check_stresses(capture);
+  if (auto ok = check_stresses(capture); !ok) return ok;
+  return capture.sheet ? validate_sheet(capture) : Expected<void>();
 }
 
 }  // namespace tenter::capture

@@ -208,6 +208,9 @@ const char* component_name(int component) {
 }
 
 Expected<Curves> make_curves(const Capture& capture, const std::string& id) {
+  if (capture.sheet)
+    return bad_input(capture.title +
+                     ": is a deforming sheet; curves are made of captures with homogeneous strain");
   Curves curves;
   curves.id = id;
   curves.title = capture.title;

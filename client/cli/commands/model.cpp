@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/names.h"
 #include "client/cli/output.h"
+#include "common/base/atomic_write.h"
 #include "common/model/catalogue.h"
 #include "common/model/document.h"
+#include "common/model/export/arcsim.h"
+#include "common/model/export/curves.h"
 #include "common/model/presets.h"
 
 namespace tenter::cli {
@@ -133,10 +138,116 @@ Expected<void> validate_models(const Context& context, const std::vector<std::st
   return {};
 }
 
+struct Conversion {
+  std::string source;
+  std::string format;
+  std::string output = "-";
+  double area_density_kg_m2 = 0.0;
+  int samples = 101;
+};
+
+/// The text to its place, what was lost to standard error.
+Expected<void> deliver(const Context& context, const Conversion& wanted, const std::string& text,
+                       const std::vector<std::string>& losses) {
+  if (wanted.output != "-")
+    if (auto written = write_atomically(wanted.output, text.data(), text.size()); !written)
+      return written;
+  if (context.json)
+    print_json({{"format", wanted.format},
+                {"output", wanted.output == "-" ? Json(nullptr) : Json(wanted.output)},
+                {"losses", losses},
+                {"text", wanted.output == "-" ? Json(text) : Json(nullptr)}});
+  else if (wanted.output == "-")
+    print_text(text);
+  else
+    print_text(wanted.format + " written to " + wanted.output + "\n");
+  if (!context.json && !context.quiet)
+    for (const std::string& loss : losses) std::fprintf(stderr, "lost: %s\n", loss.c_str());
+  return {};
+}
+
+Expected<model::Exported> exported(const model::Model& model, const Conversion& wanted) {
+  if (wanted.format == "csv") return model::write_curves_csv(model, wanted.samples);
+  if (wanted.format == "json") return model::write_curves_json(model, wanted.samples);
+  if (!(wanted.area_density_kg_m2 > 0.0))
+    return bad_input(
+        "a model says nothing of mass: --area-density is needed for arcsim, in kg/m^2");
+  return model::write_arcsim(model, wanted.area_density_kg_m2);
+}
+
+Expected<void> export_model(const Context& context, const Conversion& wanted) {
+  const Expected<model::Model> model = load_model(wanted.source);
+  if (!model) return tl::unexpected(model.error());
+  const Expected<model::Exported> file = exported(*model, wanted);
+  if (!file) return tl::unexpected(file.error());
+  return deliver(context, wanted, file->text, file->losses);
+}
+
+Expected<void> import_model(const Context& context, const Conversion& wanted) {
+  const Expected<std::string> text = read_input(wanted.source, 64u << 20);
+  if (!text) return tl::unexpected(text.error());
+  if (wanted.format == "json") {
+    const Expected<model::Model> model = model::read_curves_json(*text, wanted.source);
+    if (!model) return tl::unexpected(model.error());
+    return deliver(context, wanted, model::write_model(*model), {});
+  }
+  const std::string name = wanted.source == "-"
+                               ? std::string("material")
+                               : std::filesystem::path(wanted.source).stem().string();
+  const auto read = model::read_arcsim(*text, wanted.source, name);
+  if (!read) return tl::unexpected(read.error());
+  return deliver(context, wanted, model::write_model(read->model), read->losses);
+}
+
+void add_export(CLI::App& group, Context& context) {
+  CLI::App* command = group.add_subcommand("export", "write a model as other programs read it");
+  command->footer(
+      "csv: curves of stress and stiffness with their bands, one row a sample. json: the same with "
+      "units, intervals and the whole model. arcsim: a material of the cloth simulator ARCSim; "
+      "what "
+      "it cannot take is refused, what it takes in part is said on standard error.\n"
+      "EXAMPLES\n    tenter model export fabric.json --to csv -o curves.csv\n    tenter model "
+      "export "
+      "fabric.json --to arcsim --area-density 0.18 -o arcsim.json\n");
+  auto wanted = std::make_shared<Conversion>();
+  command->add_option("MODEL", wanted->source, "Name of a shipped model, or a model file.")
+      ->required();
+  command->add_option("--to", wanted->format, "arcsim, csv or json.")
+      ->required()
+      ->check(CLI::IsMember({"arcsim", "csv", "json"}));
+  command->add_option("-o,--output", wanted->output, "Write here; - is standard output.")
+      ->type_name("FILE");
+  command->add_option("--area-density", wanted->area_density_kg_m2, "kg/m^2, for arcsim.")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--samples", wanted->samples, "Strains in each curve (csv, json).")
+      ->check(CLI::Range(2, 100000));
+  command->callback([&context, wanted] {
+    context.command = [&context, wanted] { return export_model(context, *wanted); };
+  });
+}
+
+void add_import(CLI::App& group, Context& context) {
+  CLI::App* command = group.add_subcommand("import", "make a model document of another format");
+  command->footer(
+      "The document goes to standard output, what the model cannot say to standard error.\n"
+      "EXAMPLES\n    tenter model import denim.json --from arcsim -o denim.model.json\n");
+  auto wanted = std::make_shared<Conversion>();
+  command->add_option("FILE", wanted->source, "The file; - is standard input.")->required();
+  command->add_option("--from", wanted->format, "arcsim, or json (what export --to json wrote).")
+      ->required()
+      ->check(CLI::IsMember({"arcsim", "json"}));
+  command->add_option("-o,--output", wanted->output, "Write here; - is standard output.")
+      ->type_name("FILE");
+  command->callback([&context, wanted] {
+    context.command = [&context, wanted] { return import_model(context, *wanted); };
+  });
+}
+
 }  // namespace
 
 void add_model(CLI::App& app, Context& context) {
-  CLI::App* group = app.add_subcommand("model", "list, show and check models (needs no server)");
+  CLI::App* group =
+      app.add_subcommand("model", "list, show, check and convert models (needs no server)");
   group->require_subcommand(1);
 
   CLI::App* list =
@@ -167,6 +278,9 @@ void add_model(CLI::App& app, Context& context) {
   validate->callback([&context, files] {
     context.command = [&context, files] { return validate_models(context, *files); };
   });
+
+  add_export(*group, context);
+  add_import(*group, context);
 }
 
 }  // namespace tenter::cli

@@ -282,5 +282,28 @@ TEST(ResidualsCommand, QueriesAKeptFileInThreeFormats) {
   EXPECT_EQ(call({"residuals", file.c_str(), "--channel", "torque"}).code, 3);
 }
 
+TEST(CommandLine, ModelsGoToOtherFormatsAndComeBack) {
+  const Folder folder;
+  const Outcome curves =
+      call({"model", "export", "stvk_diagonal", "--to", "csv", "--samples", "3"});
+  EXPECT_EQ(curves.code, 0) << curves.err;
+  EXPECT_NE(curves.out.find("\nweft,green_u,1,N/m,N/m,0.25,25,"), std::string::npos) << curves.out;
+  const std::string file = folder.file("denim.json");
+  const Outcome out = call({"model", "export", "cloth_stvk", "--to", "arcsim", "--area-density",
+                            "0.2", "-o", file.c_str()});
+  EXPECT_EQ(out.code, 0) << out.err;
+  const Outcome back = call({"model", "import", file.c_str(), "--from", "arcsim"});
+  EXPECT_EQ(back.code, 0) << back.err;
+  const auto model = model::parse_model(back.out, "back");
+  ASSERT_TRUE(model) << model.error().message;
+  EXPECT_EQ(model->name, "denim");
+  EXPECT_EQ(model->terms.size(), 6u);
+  EXPECT_EQ(call({"model", "export", "cloth_stvk", "--to", "arcsim"}).code, 2);
+  const Outcome refused =
+      call({"model", "export", "springs", "--to", "arcsim", "--area-density", "1"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("term"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace tenter::cli

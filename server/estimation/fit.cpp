@@ -3,54 +3,32 @@
 
 #include <ceres/ceres.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "common/model/catalogue.h"
+#include "server/estimation/least_squares/covariance.h"
+#include "server/estimation/least_squares/gauss_newton.h"
+#include "server/estimation/least_squares/objective.h"
 
 namespace tenter::estimation {
 namespace {
 
-/// All rows as one Ceres cost of one parameter block: the free parameters, each divided by its
-/// scale.
-class AllRows final : public ceres::CostFunction {
+/// The objective as one Ceres cost of one parameter block.
+class CeresCost final : public ceres::CostFunction {
  public:
-  AllRows(ResidualFunction& evaluator, Eigen::VectorXd& all, const std::vector<int>& free,
-          const Eigen::VectorXd& scale, const Eigen::VectorXd& weights)
-      : evaluator_(evaluator), all_(all), free_(free), scale_(scale), weights_(weights) {
-    set_num_residuals(evaluator.row_count());
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(free.size()));
+  explicit CeresCost(Objective& objective) : objective_(objective) {
+    set_num_residuals(objective.row_count());
+    mutable_parameter_block_sizes()->push_back(objective.parameter_count());
   }
 
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    for (std::size_t i = 0; i < free_.size(); ++i)
-      all_[free_[i]] = x[0][i] * scale_[static_cast<Eigen::Index>(i)];
-    const bool wants_jacobian = jacobians && jacobians[0];
-    if (evaluator_.evaluate(all_, r_, wants_jacobian ? &j_ : nullptr) != mechanics::PathStatus::ok)
-      return false;
-    const bool weighted = weights_.size() > 0;
-    Eigen::Map<Eigen::VectorXd> out(residuals, r_.size());
-    out = weighted ? Eigen::VectorXd(r_.cwiseProduct(weights_)) : r_;
-    if (!wants_jacobian) return true;
-    Eigen::Map<RowMatrix> out_j(jacobians[0], r_.size(), static_cast<Eigen::Index>(free_.size()));
-    for (std::size_t i = 0; i < free_.size(); ++i) {
-      const auto column = static_cast<Eigen::Index>(i);
-      out_j.col(column) = j_.col(free_[i]) * scale_[column];
-      if (weighted) out_j.col(column).array() *= weights_.array();
-    }
-    return out_j.allFinite();
+    return objective_.evaluate(x[0], residuals, jacobians ? jacobians[0] : nullptr);
   }
 
  private:
-  ResidualFunction& evaluator_;
-  Eigen::VectorXd& all_;
-  const std::vector<int>& free_;
-  const Eigen::VectorXd& scale_;
-  const Eigen::VectorXd& weights_;
-  mutable Eigen::VectorXd r_;
-  mutable RowMatrix j_;
+  Objective& objective_;
 };
 
 class Watch final : public ceres::IterationCallback {
@@ -72,12 +50,6 @@ double inside(const model::Parameter& p) {
   return value;
 }
 
-bool is_at_bound(const model::Parameter& p, double value) {
-  const double slack = 1e-7 * std::max(1.0, std::abs(value));
-  if (p.lower && value - *p.lower <= slack) return true;
-  return p.upper && *p.upper - value <= slack;
-}
-
 /// A start at which the model has an equilibrium: where it has none, couplings that may take either
 /// sign are weakened.
 bool find_start(ResidualFunction& evaluator, const std::vector<const model::Parameter*>& parameters,
@@ -93,67 +65,77 @@ bool find_start(ResidualFunction& evaluator, const std::vector<const model::Para
   return false;
 }
 
-/// Fills states, standard errors and correlations from the Jacobian at the optimum.
-void describe(const std::vector<const model::Parameter*>& parameters, const std::vector<int>& free,
-              const FitOptions& options, const std::vector<Row>& rows, FitResult& result) {
-  const auto count = static_cast<Eigen::Index>(parameters.size());
-  result.states.assign(parameters.size(), ParameterState::fixed);
-  result.std_error.setZero(count);
-  result.correlation.setZero(count, count);
-  const Eigen::VectorXd weights =
-      options.weights.size() > 0 ? options.weights : Eigen::VectorXd::Ones(result.residuals.size());
-  result.effective_rows = effective_rows(rows, result.residuals, weights);
+Eigen::VectorXd weights_of(const ResidualFunction& evaluator, const FitOptions& options) {
+  Eigen::VectorXd weights = evaluator.weights();
+  if (weights.size() == 0) weights.setOnes(evaluator.row_count());
+  if (options.weights.size() > 0) weights.array() *= options.weights.array();
+  return weights;
+}
 
-  std::vector<int> moving;
-  for (const int i : free) {
-    const auto k = static_cast<std::size_t>(i);
-    const double column = result.jacobian.col(i).cwiseProduct(weights).norm();
-    if (!(column * std::max(1e-3, std::abs(result.parameters[i])) > 1e-9))
-      result.states[k] = ParameterState::zero_gradient;
-    else if (is_at_bound(*parameters[k], result.parameters[i]))
-      result.states[k] = ParameterState::at_bound;
-    else
-      moving.push_back(i);
+/// Of the scaled free parameters; infinite where there is none.
+struct Bounds {
+  Eigen::VectorXd lower, upper;
+};
+
+Bounds bounds_of(const std::vector<const model::Parameter*>& parameters,
+                 const std::vector<int>& free, const Eigen::VectorXd& scale) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  Bounds bounds{Eigen::VectorXd::Constant(scale.size(), -kNone),
+                Eigen::VectorXd::Constant(scale.size(), kNone)};
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const model::Parameter& p = *parameters[static_cast<std::size_t>(free[i])];
+    const auto k = static_cast<Eigen::Index>(i);
+    if (p.lower) bounds.lower[k] = *p.lower / scale[k];
+    if (p.upper) bounds.upper[k] = *p.upper / scale[k];
   }
-  if (moving.empty()) return;
-  const auto m = static_cast<Eigen::Index>(moving.size());
-  Eigen::MatrixXd j(result.residuals.size(), m);
-  Eigen::VectorXd norms(m);
-  for (Eigen::Index c = 0; c < m; ++c) {
-    j.col(c) = result.jacobian.col(moving[static_cast<std::size_t>(c)]).cwiseProduct(weights);
-    norms[c] = j.col(c).norm();
-    j.col(c) /= norms[c];
+  return bounds;
+}
+
+void by_trust_region(Objective& objective, const Bounds& bounds, const FitOptions& options,
+                     Eigen::VectorXd& x, FitResult& result) {
+  CeresCost cost(objective);
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(ownership);
+  problem.AddResidualBlock(&cost, nullptr, x.data());
+  for (int i = 0; i < objective.parameter_count(); ++i) {
+    if (std::isfinite(bounds.lower[i]))
+      problem.SetParameterLowerBound(x.data(), i, bounds.lower[i]);
+    if (std::isfinite(bounds.upper[i]))
+      problem.SetParameterUpperBound(x.data(), i, bounds.upper[i]);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(j.transpose() * j);
-  // directions in which the data say nothing are left out of the covariance; parameters that lie in
-  // them are flat
-  static constexpr double kFlat =
-      1e-9;  // share of the largest eigenvalue of the scaled normal matrix
-  const double largest = eigen.eigenvalues()[m - 1];
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(m, m);
-  Eigen::VectorXd unseen = Eigen::VectorXd::Zero(m);
-  for (Eigen::Index k = 0; k < m; ++k) {
-    const Eigen::VectorXd direction = eigen.eigenvectors().col(k);
-    if (eigen.eigenvalues()[k] > kFlat * largest)
-      covariance += direction * direction.transpose() / eigen.eigenvalues()[k];
-    else
-      unseen += direction.cwiseAbs2();
-  }
-  // one sigma of a row stands for rows/effective_rows of them, and more where the model's form is
-  // wrong
-  const double used = weights.sum();
-  const double inflation = std::max(1.0, result.chi2 / std::max(1.0, used)) * used /
-                           std::max(1.0, result.effective_rows - static_cast<double>(m));
-  for (Eigen::Index c = 0; c < m; ++c) {
-    const int i = moving[static_cast<std::size_t>(c)];
-    const auto k = static_cast<std::size_t>(i);
-    result.std_error[i] = std::sqrt(covariance(c, c) * std::max(1.0, inflation)) / norms[c];
-    constexpr double kUnseen = 0.01;  // of a parameter's own direction
-    result.states[k] = unseen[c] > kUnseen ? ParameterState::flat : ParameterState::free;
-    for (Eigen::Index d = 0; d < m; ++d)
-      result.correlation(i, moving[static_cast<std::size_t>(d)]) =
-          covariance(c, d) / std::sqrt(covariance(c, c) * covariance(d, d));
-  }
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::DENSE_QR;
+  solver.max_num_iterations = options.max_iterations;
+  solver.function_tolerance = options.tolerance;
+  solver.parameter_tolerance = 1e-9;
+  // from the first radius it takes more than Ceres' five halvings to shorten a step
+  solver.max_num_consecutive_invalid_steps = 50;
+  solver.num_threads = 1;
+  solver.logging_type = ceres::SILENT;
+  Watch watch(options.on_iteration);
+  if (options.on_iteration) solver.callbacks.push_back(&watch);
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  result.converged = summary.termination_type == ceres::CONVERGENCE;
+  result.stopped = summary.termination_type == ceres::USER_FAILURE;
+  result.iterations = static_cast<int>(summary.iterations.size());
+  result.message = result.converged ? "converged" : summary.message;
+}
+
+void by_gauss_newton(Objective& objective, const Bounds& bounds, const FitOptions& options,
+                     Eigen::VectorXd& x, FitResult& result) {
+  GaussNewtonOptions how;
+  how.max_iterations = options.max_iterations;
+  how.stop = options.residual_stop;
+  how.damping = options.method == FitMethod::gauss_newton_damped;
+  how.on_iteration = options.on_iteration;
+  const auto found = minimise_by_gauss_newton(objective, bounds.lower, bounds.upper, how, x);
+  result.iterations = found.iterations;
+  result.stopped = found.end == GaussNewtonEnd::stopped;
+  result.converged =
+      found.end == GaussNewtonEnd::converged || found.end == GaussNewtonEnd::no_descent;
+  result.message = describe(found.end);
 }
 
 }  // namespace
@@ -167,95 +149,44 @@ FitResult fit(ResidualFunction& evaluator, const model::Model& start, const FitO
     all[static_cast<Eigen::Index>(i)] = inside(*parameters[i]);
     if (!parameters[i]->fixed) free.push_back(static_cast<int>(i));
   }
+  const Eigen::VectorXd weights = weights_of(evaluator, options);
+  evaluator.set_accuracy(Accuracy::stepping);
   if (!find_start(evaluator, parameters, all)) {
     result.message = "the model has no equilibrium at the start values";
+    evaluator.set_accuracy(Accuracy::exact);
     return result;
   }
   if (!free.empty()) {
     Eigen::VectorXd scale(static_cast<Eigen::Index>(free.size()));
-    std::vector<double> x(free.size());
+    Eigen::VectorXd x(scale.size());
     for (std::size_t i = 0; i < free.size(); ++i) {
       const double value = all[free[i]];
       scale[static_cast<Eigen::Index>(i)] = value != 0.0 ? std::abs(value) : 1.0;
-      x[i] = value / scale[static_cast<Eigen::Index>(i)];
+      x[static_cast<Eigen::Index>(i)] = value / scale[static_cast<Eigen::Index>(i)];
     }
-    AllRows rows(evaluator, all, free, scale, options.weights);
-    ceres::Problem::Options ownership;
-    ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    ceres::Problem problem(ownership);
-    problem.AddResidualBlock(&rows, nullptr, x.data());
-    for (std::size_t i = 0; i < free.size(); ++i) {
-      const model::Parameter& p = *parameters[static_cast<std::size_t>(free[i])];
-      const double s = scale[static_cast<Eigen::Index>(i)];
-      if (p.lower) problem.SetParameterLowerBound(x.data(), static_cast<int>(i), *p.lower / s);
-      if (p.upper) problem.SetParameterUpperBound(x.data(), static_cast<int>(i), *p.upper / s);
-    }
-    ceres::Solver::Options solver;
-    solver.linear_solver_type = ceres::DENSE_QR;
-    solver.max_num_iterations = options.max_iterations;
-    solver.function_tolerance = options.tolerance;
-    solver.parameter_tolerance = 1e-9;
-    solver.num_threads = 1;
-    solver.logging_type = ceres::SILENT;
-    Watch watch(options.on_iteration);
-    if (options.on_iteration) solver.callbacks.push_back(&watch);
-    ceres::Solver::Summary summary;
-    ceres::Solve(solver, &problem, &summary);
+    evaluator.set_accuracy(Accuracy::stepping);
+    Objective objective(evaluator, all, free, scale, weights, options.loss);
+    const Bounds bounds = bounds_of(parameters, free, scale);
+    if (options.method == FitMethod::trust_region)
+      by_trust_region(objective, bounds, options, x, result);
+    else
+      by_gauss_newton(objective, bounds, options, x, result);
     for (std::size_t i = 0; i < free.size(); ++i)
-      all[free[i]] = x[i] * scale[static_cast<Eigen::Index>(i)];
-    result.converged = summary.termination_type == ceres::CONVERGENCE;
-    result.stopped = summary.termination_type == ceres::USER_FAILURE;
-    result.iterations = static_cast<int>(summary.iterations.size());
-    result.message = result.converged ? "converged" : summary.message;
+      all[free[i]] = x[static_cast<Eigen::Index>(i)] * scale[static_cast<Eigen::Index>(i)];
   } else {
     result.converged = true;
     result.message = "nothing to fit";
   }
   result.parameters = all;
+  evaluator.set_accuracy(Accuracy::exact);
   if (evaluator.evaluate(all, result.residuals, &result.jacobian) != mechanics::PathStatus::ok) {
     result.message = "the model has no equilibrium at the optimum";
     return result;
   }
   result.usable = true;
-  result.chi2 = options.weights.size() > 0
-                    ? result.residuals.cwiseProduct(options.weights).squaredNorm()
-                    : result.residuals.squaredNorm();
-  describe(parameters, free, options, evaluator.rows(), result);
+  result.chi2 = result.residuals.cwiseAbs2().dot(weights);
+  describe_optimum(parameters, free, weights, options.loss, evaluator.rows(), result);
   return result;
-}
-
-double effective_rows(const std::vector<Row>& rows, const Eigen::VectorXd& residuals,
-                      const Eigen::VectorXd& weights) {
-  double total = 0.0;
-  std::size_t first = 0;
-  std::vector<double> x;
-  while (first < rows.size()) {
-    std::size_t last = first;
-    x.clear();
-    while (last < rows.size() && rows[last].block == rows[first].block &&
-           rows[last].channel == rows[first].channel && rows[last].curve == rows[first].curve) {
-      if (weights[static_cast<Eigen::Index>(last)] > 0.0)
-        x.push_back(residuals[static_cast<Eigen::Index>(last)]);
-      ++last;
-    }
-    first = last;
-    const auto n = x.size();
-    if (n == 0) continue;
-    double variance = 0.0;
-    for (const double v : x) variance += v * v;
-    double time = 1.0;
-    // sum pairs of lags while they are positive (Geyer's initial positive sequence); the mean is
-    // kept in: a residual that keeps its sign over the block is one piece of evidence
-    for (std::size_t lag = 1; lag + 1 < n && variance > 0.0; lag += 2) {
-      double pair = 0.0;
-      for (std::size_t k = lag; k <= lag + 1; ++k)
-        for (std::size_t i = 0; i + k < n; ++i) pair += x[i] * x[i + k] / variance;
-      if (pair <= 0.0) break;
-      time += 2.0 * pair;
-    }
-    total += std::clamp(static_cast<double>(n) / time, 1.0, static_cast<double>(n));
-  }
-  return total;
 }
 
 void store(const FitResult& result, model::Model& model) {

@@ -2,9 +2,11 @@
 // Bounded least squares of a model's free parameters to a data set (Ceres, trust region), with
 // covariance and a word for each parameter.
 //
-//   cost = sum over rows  weight * r^2,   r = (predicted - measured) / sigma
+//   cost = sum over rows  weight * rho(r^2),   r = (predicted - measured) / sigma
 //
-// A point where the model finds no equilibrium shortens the step, it does not end the fit.
+// rho is the identity or a robust loss (Huber, Cauchy) for outliers. A point where the model finds
+// no equilibrium shortens the step, it does not end the fit. Ceres' trust region, or the thesis'
+// Gauss-Newton with line search (3.4.1).
 // Deterministic, one thread.
 #pragma once
 
@@ -13,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "server/estimation/least_squares/effective_rows.h"
 #include "server/estimation/prediction.h"
 
 namespace tenter::estimation {
@@ -25,10 +28,27 @@ enum class ParameterState {
   flat            ///< moved freely but the data do not determine it
 };
 
+enum class Loss { none, huber, cauchy };
+
+struct RobustLoss {
+  Loss kind = Loss::none;
+  double scale = 1.345;  ///< in sigmas: 1.345 (Huber) or 2.385 (Cauchy) cost 5 % where there are no
+                         ///< outliers
+};
+
+enum class FitMethod {
+  trust_region,        ///< Ceres
+  gauss_newton,        ///< thesis 3.4.1: line search, end when the residual falls by less than 1 %
+  gauss_newton_damped  ///< the same with additive Levenberg-Marquardt inside
+};
+
 struct FitOptions {
-  Eigen::VectorXd weights;  ///< one per row, 0 or 1; empty: all 1
+  Eigen::VectorXd weights;  ///< one per row, not negative; empty: all 1. Times evaluator.weights()
   int max_iterations = 80;
-  double tolerance = 1e-7;  ///< relative fall of the cost below which the fit has converged
+  double tolerance = 1e-7;      ///< relative fall of the cost below which the fit has converged
+  double residual_stop = 0.01;  ///< the same of the residual's length, of Gauss-Newton
+  FitMethod method = FitMethod::trust_region;
+  RobustLoss loss;
   /// Called after each iteration with its number and cost; returns false to stop.
   std::function<bool(int, double)> on_iteration;
 };
@@ -39,7 +59,7 @@ struct FitResult {
   bool stopped = false;  ///< by on_iteration
   std::string message;
   int iterations = 0;
-  double chi2 = 0.0;           ///< sum of weighted squared residuals
+  double chi2 = 0.0;           ///< sum of weighted squared residuals, whatever the loss
   Eigen::VectorXd parameters;  ///< all, flat
   Eigen::VectorXd residuals;   ///< of all rows, also those of weight zero
   RowMatrix jacobian;          ///< rows x all parameters, at the optimum
@@ -52,11 +72,6 @@ struct FitResult {
 /// Starts from the model's values. Spline laws without a range must have been given one (see
 /// adapt_spline_ranges).
 FitResult fit(ResidualFunction& evaluator, const model::Model& start, const FitOptions& options);
-
-/// Rows that count as independent: per block and channel, samples over twice the integrated
-/// autocorrelation time of the residuals, at least one each (weights zero are skipped).
-double effective_rows(const std::vector<Row>& rows, const Eigen::VectorXd& residuals,
-                      const Eigen::VectorXd& weights);
 
 /// Puts values, standard errors and 95 % intervals into the model.
 void store(const FitResult& result, model::Model& model);

@@ -23,6 +23,11 @@ struct Row {
   int block = 0;  ///< global block index over all curves
 };
 
+enum class Accuracy {
+  exact,
+  stepping  ///< good enough to choose the next step by: a fit is on its way
+};
+
 class ResidualFunction {
  public:
   virtual ~ResidualFunction() = default;
@@ -34,6 +39,11 @@ class ResidualFunction {
   [[nodiscard]] virtual mechanics::PathStatus evaluate(const Eigen::VectorXd& parameters,
                                                        Eigen::VectorXd& residuals,
                                                        RowMatrix* jacobian) = 0;
+
+  /// Of the evaluations that follow; exact until told otherwise.
+  virtual void set_accuracy(Accuracy) {}
+  /// What each row's square counts in the cost, one per row; empty: one.
+  virtual Eigen::VectorXd weights() const { return {}; }
 };
 
 }  // namespace tenter::estimation

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/estimation/sequences/material_location.h"
+#include "server/estimation/sequences/observations.h"
 
 namespace tenter::estimation {
 
@@ -45,7 +45,8 @@ Expected<void> check_frame(const Sequence& sequence, const SequenceFrame& frame)
     return bad_input(" starts with " + std::to_string(frame.start->x.size() / 3) +
                      " nodes, the mesh has " + std::to_string(sequence.cloth.mesh.node_count()));
   if (frame.points_m.cols() != static_cast<Eigen::Index>(sequence.points.size()) ||
-      frame.forces_N.size() != static_cast<Eigen::Index>(sequence.forces.size()))
+      frame.forces_N.size() != static_cast<Eigen::Index>(sequence.forces.size()) ||
+      frame.scalars.size() != static_cast<Eigen::Index>(sequence.scalars.size()))
     return bad_input(" does not have one measurement a channel");
   if (frame.block < 0) return bad_input(" has a block below zero");
   return {};
@@ -63,26 +64,7 @@ Expected<void> check(const Sequence& sequence) {
     return bad_input(name + "the start has " + std::to_string(sequence.start.x.size() / 3) +
                      " nodes, the mesh " + std::to_string(nodes));
   if (sequence.frames.empty()) return bad_input(name + "there is no frame");
-  for (std::size_t k = 0; k < sequence.points.size(); ++k) {
-    const PointChannel& point = sequence.points[k];
-    const std::string which = name + "point " + std::to_string(k + 1);
-    if (!(point.sigma_m > 0.0) || !std::isfinite(point.sigma_m))
-      return bad_input(which + " has no standard deviation above zero");
-    if (!locate(sequence.cloth.mesh, point.material_m))
-      return bad_input(which + " lies outside of the mesh");
-  }
-  for (std::size_t k = 0; k < sequence.forces.size(); ++k) {
-    const ForceChannel& force = sequence.forces[k];
-    const std::string which = name + "force " + std::to_string(k + 1);
-    if (!(force.sigma_N > 0.0) || !std::isfinite(force.sigma_N))
-      return bad_input(which + " has no standard deviation above zero");
-    if (force.clip < 0 || force.clip >= static_cast<int>(sequence.boundaries.front().clips.size()))
-      return bad_input(which + " is of clip " + std::to_string(force.clip) +
-                       ", which there is not");
-    constexpr double kOff = 1e-9;
-    if (!(std::abs(force.direction.norm() - 1.0) < kOff))
-      return bad_input(which + " has a direction that is not of length one");
-  }
+  if (auto ok = check_channels(sequence); !ok) return bad_input(name + ok.error().message);
   for (std::size_t f = 0; f < sequence.frames.size(); ++f) {
     if (auto ok = check_frame(sequence, sequence.frames[f]); !ok)
       return bad_input(name + "frame " + std::to_string(f + 1) + ok.error().message);

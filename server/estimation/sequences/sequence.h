@@ -3,8 +3,8 @@
 // after frame at rest, with what was seen of it.
 //
 // Points are places in the material, wherever the mesh has its nodes; what a frame did not see is a
-// number that is none (NaN) and makes no row. Forces are what the cords pull a clip with, along a
-// given direction: the clip's weight and the cloth bear the rest.
+// number that is none (NaN) and makes no row. Forces and torques are what the cords (or whatever
+// holds a clip) bear: the clip's weight and the cloth make up the rest.
 //
 // Values.
 #pragma once
@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "server/mechanics/assembly/cloth.h"
@@ -29,7 +30,37 @@ struct ForceChannel {
   int clip = 0;
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< unit
   double sigma_N = 0.0;
+  /// The direction is of the clip and turns with it: of shear, only what is parallel to the clip
+  /// counts (thesis 3.4.1). Of prescribed clips.
+  bool turns_with_clip = false;
 };
+
+/// Torque that the holders of clips bear about an axis, each clip with its factor: with +1 and -1
+/// in turn the "aggregated torque" of thesis figure 3.6. Of prescribed clips.
+struct TorqueChannel {
+  struct Share {
+    int clip = 0;
+    double factor = 1.0;
+  };
+  std::vector<Share> clips;
+  Eigen::Vector3d about_m = Eigen::Vector3d::Zero();  ///< fixed in space
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();    ///< unit
+  double sigma_N_m = 0.0;
+};
+
+/// Distance in space of two points of the material.
+struct LengthChannel {
+  Eigen::Vector2d from_m = Eigen::Vector2d::Zero();  ///< (u, v)
+  Eigen::Vector2d to_m = Eigen::Vector2d::Zero();
+  double sigma_m = 0.0;
+};
+
+/// Area of the whole sheet in space.
+struct AreaChannel {
+  double sigma_m2 = 0.0;
+};
+
+using ScalarChannel = std::variant<TorqueChannel, LengthChannel, AreaChannel>;
 
 struct SequenceFrame {
   int boundary = 0;                    ///< of the sequence's, from 0
@@ -42,6 +73,7 @@ struct SequenceFrame {
   std::vector<std::vector<Eigen::Vector3d>> cord_force_N;  ///< as in Loads; empty: none
   Eigen::Matrix3Xd points_m;                               ///< one column a PointChannel
   Eigen::VectorXd forces_N;                                ///< one a ForceChannel
+  Eigen::VectorXd scalars;                                 ///< one a ScalarChannel: N m, m or m^2
   int block = 0;                                           ///< of this sequence, from 0
 };
 
@@ -56,6 +88,7 @@ struct Sequence {
   double weight = 1.0;     ///< of its part of the cost, beside what the fit's weighting gives it
   std::vector<PointChannel> points;
   std::vector<ForceChannel> forces;
+  std::vector<ScalarChannel> scalars;
   std::vector<SequenceFrame> frames;
 };
 

@@ -8,7 +8,7 @@
 #include <thread>
 #include <utility>
 
-#include "server/estimation/sequences/material_location.h"
+#include "server/estimation/sequences/observations.h"
 #include "server/mechanics/equilibrium/sensitivity.h"
 
 namespace tenter::estimation {
@@ -22,15 +22,18 @@ using mechanics::State;
 
 struct SequenceEvaluator::Bound {
   MeshModel model;
-  std::vector<MaterialLocation> locations;
+  Observations channels;
   std::vector<std::vector<int>> row_of;  ///< [frame][channel]; -1: not measured
 };
 
 struct SequenceEvaluator::FrameWork {
-  State state;               ///< of the last evaluation
-  State base;                ///< where the last Jacobian was taken
-  Sensitivity by_parameter;  ///< there
-  Eigen::VectorXd by_node;   ///< gradient of the potential at `state`
+  struct Slot {
+    State state;
+    Sensitivity by_parameter;
+    Eigen::VectorXd by_node;  ///< gradient of the potential
+  };
+  Slot slots[2];
+  SequenceCost cost;  ///< of the evaluation that is under way
   std::string failure;
 };
 
@@ -49,15 +52,14 @@ void in_parallel(int threads, int count, const std::function<void(int, int)>& wo
   for (std::thread& other : others) other.join();
 }
 
-double measured_value(const Sequence& sequence, std::size_t frame, int channel) {
-  const auto points = static_cast<int>(sequence.points.size());
-  const SequenceFrame& f = sequence.frames[frame];
-  return channel < 3 * points ? f.points_m(channel % 3, channel / 3)
-                              : f.forces_N[channel - 3 * points];
-}
-
-int channel_count(const Sequence& sequence) {
-  return static_cast<int>(3 * sequence.points.size() + sequence.forces.size());
+void add(const SequenceCost& part, SequenceCost& sum) {
+  sum.equilibria += part.equilibria;
+  sum.iterations += part.iterations;
+  sum.factorisations += part.factorisations;
+  sum.evaluations += part.evaluations;
+  sum.sensitivities += part.sensitivities;
+  sum.equilibrium_s += part.equilibrium_s;
+  sum.sensitivity_s += part.sensitivity_s;
 }
 
 }  // namespace
@@ -76,20 +78,18 @@ Expected<SequenceEvaluator> SequenceEvaluator::make(const model::Model& model,
     if (auto ok = check(sequence); !ok) return tl::unexpected(ok.error());
     auto made = MeshModel::make(model, sequence.cloth);
     if (!made) return bad_input("sequence \"" + sequence.name + "\": " + made.error().message);
-    auto bound = std::make_shared<Bound>(Bound{std::move(*made), {}, {}});
+    auto bound = std::make_shared<Bound>(Bound{std::move(*made), Observations(sequence), {}});
     for (const mechanics::Boundary& boundary : sequence.boundaries)
       if (auto solver = EquilibriumSolver::make(bound->model, boundary); !solver)
         return bad_input("sequence \"" + sequence.name + "\": " + solver.error().message);
-    for (const PointChannel& point : sequence.points)
-      bound->locations.push_back(*locate(sequence.cloth.mesh, point.material_m));
-    const int channels = channel_count(sequence);
+    const int channels = bound->channels.count();
     bound->row_of.assign(sequence.frames.size(),
                          std::vector<int>(static_cast<std::size_t>(channels), -1));
     int blocks = 0;
     for (int c = 0; c < channels; ++c) {
       for (std::size_t f = 0; f < sequence.frames.size(); ++f) {
         blocks = std::max(blocks, sequence.frames[f].block + 1);
-        if (std::isnan(measured_value(sequence, f, c))) continue;
+        if (std::isnan(bound->channels.measured(sequence.frames[f], c))) continue;
         bound->row_of[f][static_cast<std::size_t>(c)] = static_cast<int>(result.rows_.size());
         result.rows_.push_back(
             {static_cast<int>(s), c, static_cast<int>(f), first_block + sequence.frames[f].block});
@@ -99,10 +99,17 @@ Expected<SequenceEvaluator> SequenceEvaluator::make(const model::Model& model,
     result.parameter_count_ = bound->model.parameter_count();
     result.bound_.push_back(std::move(bound));
     auto& works = result.frames_.emplace_back();
-    for (std::size_t f = 0; f < sequence.frames.size(); ++f)
+    for (std::size_t f = 0; f < sequence.frames.size(); ++f) {
       works.push_back(std::make_shared<FrameWork>());
+      result.all_frames_.emplace_back(s, f);
+      if (f == 0 || sequence.frames[f].start) result.runs_.push_back({s, f, f});
+      result.runs_.back().last = f;
+    }
   }
   if (result.rows_.empty()) return bad_input("the sequences hold no measured value");
+  auto weights = row_weights(result.rows_, sequences, options.weighting);
+  if (!weights) return tl::unexpected(weights.error());
+  result.weights_ = std::move(*weights);
   result.sequences_ = std::move(sequences);
   result.solvers_.resize(static_cast<std::size_t>(std::max(1, options.threads)));
   for (auto& of_thread : result.solvers_)
@@ -113,56 +120,87 @@ Expected<SequenceEvaluator> SequenceEvaluator::make(const model::Model& model,
 
 PathStatus SequenceEvaluator::evaluate(const Eigen::VectorXd& parameters,
                                        Eigen::VectorXd& residuals, RowMatrix* jacobian) {
-  failure_.clear();
-  const auto collect_failure = [&] {
-    for (std::size_t s = 0; s < frames_.size() && failure_.empty(); ++s)
-      for (std::size_t f = 0; f < frames_[s].size() && failure_.empty(); ++f)
-        if (!frames_[s][f]->failure.empty())
-          failure_ = "sequence \"" + sequences_[s].name + "\", frame " + std::to_string(f + 1) +
-                     ": " + frames_[s][f]->failure;
-    return !failure_.empty();
-  };
-  for (const auto& works : frames_)
-    for (const auto& work : works) work->failure.clear();
-
-  if (!has_base_) {
-    in_parallel(options_.threads, static_cast<int>(sequences_.size()),
-                [&](int thread, int s) { walk(static_cast<std::size_t>(s), thread, parameters); });
-    if (collect_failure()) return PathStatus::no_equilibrium;
-  }
-  std::vector<std::pair<std::size_t, std::size_t>> jobs;
-  for (std::size_t s = 0; s < sequences_.size(); ++s)
-    for (std::size_t f = 0; f < sequences_[s].frames.size(); ++f) jobs.emplace_back(s, f);
-  const bool wants_sensitivity = jacobian != nullptr || !has_base_;
-  in_parallel(options_.threads, static_cast<int>(jobs.size()), [&](int thread, int k) {
-    const auto [s, f] = jobs[static_cast<std::size_t>(k)];
-    FrameWork& work = *frames_[s][f];
-    EquilibriumSolver& solver = solver_of(thread, s, f);
-    work.state = work.base;
-    if (has_base_) {
-      work.state.x += work.by_parameter.x * (parameters - base_parameters_);
-      if (solve_frame(s, f, solver, parameters, true, wants_sensitivity)) return;
-      work.failure.clear();
-      work.state = work.base;
+  // where the residuals of a step are wanted its Jacobian follows, as most steps are taken
+  const bool wants_sensitivity = jacobian != nullptr || accuracy_ == Accuracy::stepping;
+  const bool is_known = last_ >= 0 && parameters == last_parameters_ &&
+                        (last_accuracy_ == Accuracy::exact || accuracy_ == Accuracy::stepping) &&
+                        (last_has_sensitivity_ || !wants_sensitivity);
+  if (!is_known) {
+    solve_all(parameters, wants_sensitivity);
+    if (has_failed()) {
+      last_ = -1;
+      return PathStatus::no_equilibrium;
     }
-    solve_frame(s, f, solver, parameters, !has_base_, wants_sensitivity);
-  });
-  if (collect_failure()) return PathStatus::no_equilibrium;
-
+    last_parameters_ = parameters;
+    last_accuracy_ = accuracy_;
+    last_has_sensitivity_ = wants_sensitivity;
+  }
+  if (last_has_sensitivity_ && (jacobian || base_ < 0)) {
+    base_ = last_;
+    base_parameters_ = parameters;
+  }
   residuals.resize(row_count());
   if (jacobian) jacobian->setZero(row_count(), parameter_count_);
-  states_.assign(sequences_.size(), {});
-  for (const auto& [s, f] : jobs) {
+  in_parallel(options_.threads, static_cast<int>(all_frames_.size()), [&](int, int k) {
+    const auto [s, f] = all_frames_[static_cast<std::size_t>(k)];
     write_rows(s, f, residuals, jacobian);
-    states_[s].push_back(frames_[s][f]->state);
-    if (wants_sensitivity) frames_[s][f]->base = frames_[s][f]->state;
-  }
-  if (wants_sensitivity) {
-    has_base_ = true;
-    base_parameters_ = parameters;
+  });
+  states_.resize(sequences_.size());
+  for (std::size_t s = 0; s < sequences_.size(); ++s) {
+    states_[s].resize(frames_[s].size());
+    for (std::size_t f = 0; f < frames_[s].size(); ++f)
+      states_[s][f] = frames_[s][f]->slots[last_].state;
   }
   return residuals.allFinite() && (!jacobian || jacobian->allFinite()) ? PathStatus::ok
                                                                        : PathStatus::not_finite;
+}
+
+/// Brings every frame to rest in the slots of `last_`.
+void SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, bool wants_sensitivity) {
+  for (const auto& works : frames_) {
+    for (const auto& work : works) {
+      work->failure.clear();
+      work->cost = {};
+    }
+  }
+  const bool is_here = last_ >= 0 && parameters == last_parameters_;
+  const int from = is_here ? last_ : base_;
+  last_ = base_ < 0 ? 0 : 1 - base_;
+  if (from < 0) {
+    in_parallel(options_.threads, static_cast<int>(runs_.size()), [&](int thread, int k) {
+      walk(runs_[static_cast<std::size_t>(k)], thread, parameters, wants_sensitivity);
+    });
+  } else {
+    in_parallel(options_.threads, static_cast<int>(all_frames_.size()), [&](int thread, int k) {
+      const auto [s, f] = all_frames_[static_cast<std::size_t>(k)];
+      FrameWork& work = *frames_[s][f];
+      State& state = work.slots[last_].state;
+      if (from != last_) state = work.slots[from].state;
+      if (!is_here) state.x += work.slots[base_].by_parameter.x * (parameters - base_parameters_);
+      SolveHow how{true, false, wants_sensitivity};
+      if (solve_frame(s, f, thread, parameters, how)) return;
+      const auto& measured = sequences_[s].frames[f].start;
+      if (!measured && base_ < 0) return;
+      work.failure.clear();
+      state = measured ? *measured : work.slots[base_].state;
+      how.is_near = false;
+      solve_frame(s, f, thread, parameters, how);
+    });
+  }
+  for (const auto& works : frames_)
+    for (const auto& work : works) add(work->cost, cost_);
+}
+
+bool SequenceEvaluator::has_failed() {
+  failure_.clear();
+  for (const auto& [s, f] : all_frames_) {
+    const std::string& why = frames_[s][f]->failure;
+    if (why.empty()) continue;
+    failure_ =
+        "sequence \"" + sequences_[s].name + "\", frame " + std::to_string(f + 1) + ": " + why;
+    return true;
+  }
+  return false;
 }
 
 EquilibriumSolver& SequenceEvaluator::solver_of(int thread, std::size_t sequence,
@@ -176,89 +214,87 @@ EquilibriumSolver& SequenceEvaluator::solver_of(int thread, std::size_t sequence
   return *solver;
 }
 
-/// All frames of a sequence one after the other, from its start: fills their `base`.
-bool SequenceEvaluator::walk(std::size_t sequence, int thread, const Eigen::VectorXd& parameters) {
-  State state = sequences_[sequence].start;
-  for (std::size_t f = 0; f < frames_[sequence].size(); ++f) {
-    FrameWork& work = *frames_[sequence][f];
-    const auto& start = sequences_[sequence].frames[f].start;
-    work.state = start ? *start : state;
-    const bool is_near = f > 0 && !start;
-    EquilibriumSolver& solver = solver_of(thread, sequence, f);
-    if (!solve_frame(sequence, f, solver, parameters, is_near, false)) return false;
-    state = work.state;
-    work.base = state;
+/// The frames of a run one after the other, each from the one before.
+void SequenceEvaluator::walk(const Run& run, int thread, const Eigen::VectorXd& parameters,
+                             bool wants_sensitivity) {
+  const Sequence& sequence = sequences_[run.sequence];
+  const auto& start = sequence.frames[run.first].start;
+  const State* before = start ? &*start : &sequence.start;
+  for (std::size_t f = run.first; f <= run.last; ++f) {
+    State& state = frames_[run.sequence][f]->slots[last_].state;
+    state = *before;
+    before = &state;
+    const bool is_next = f > run.first;
+    if (!solve_frame(run.sequence, f, thread, parameters, {is_next, is_next, wants_sensitivity}))
+      return;
   }
-  return true;
 }
 
-bool SequenceEvaluator::solve_frame(std::size_t sequence, std::size_t frame,
-                                    EquilibriumSolver& solver, const Eigen::VectorXd& parameters,
-                                    bool is_near, bool wants_sensitivity) {
+bool SequenceEvaluator::solve_frame(std::size_t sequence, std::size_t frame, int thread,
+                                    const Eigen::VectorXd& parameters, const SolveHow& how) {
+  EquilibriumSolver& solver = solver_of(thread, sequence, frame);
   const Sequence& measured = sequences_[sequence];
-  const SequenceFrame& at = measured.frames[frame];
   FrameWork& work = *frames_[sequence][frame];
+  FrameWork::Slot& slot = work.slots[last_];
   mechanics::Loads loads = measured.loads;
-  loads.cord_force_N = at.cord_force_N;
-  prescribe(measured, frame, !is_near, work.state);
+  loads.cord_force_N = measured.frames[frame].cord_force_N;
+  prescribe(measured, frame, !how.is_near, slot.state);
   EquilibriumOptions options;
   options.tolerance_N = options_.tolerance_N;
-  options.start_is_near = is_near;
-  options.check_minimum = wants_sensitivity;
-  options.predict = false;  // frames are solved by whichever thread is free
-  auto solved = solver.solve(parameters, loads, work.state, options);
+  if (accuracy_ == Accuracy::stepping) {
+    options.tolerance_N = std::max(options.tolerance_N, options_.stepping_tolerance_N);
+    options.reuse_factor = true;
+  }
+  options.start_is_near = how.is_near;
+  options.check_minimum = how.wants_sensitivity;
+  options.predict = how.may_predict;
+  const auto now = [this] { return options_.clock ? options_.clock() : 0.0; };
+  const double began = now();
+  auto solved = solver.solve(parameters, loads, slot.state, options);
+  const double rested = now();
+  ++work.cost.equilibria;
+  work.cost.equilibrium_s += rested - began;
+  if (solved) {
+    work.cost.iterations += solved->iterations;
+    work.cost.factorisations += solved->factorisations;
+    work.cost.evaluations += solved->evaluations;
+  }
   if (!solved || !solved->is_good(options)) {
     work.failure = solved ? describe(*solved, options) : solved.error().message;
     return false;
   }
-  work.by_node = std::move(solved->by_node);
-  if (!wants_sensitivity) return true;
-  auto change = sensitivity_by_parameter(solver, parameters, work.state);
+  slot.by_node = std::move(solved->by_node);
+  if (!how.wants_sensitivity) return true;
+  auto change = sensitivity_by_parameter(solver, parameters, slot.state);
+  work.cost.sensitivity_s += now() - rested;
+  ++work.cost.sensitivities;
   if (!change) {
     work.failure = change.error().message;
     return false;
   }
-  work.by_parameter = std::move(*change);
+  slot.by_parameter = std::move(*change);
   return true;
 }
 
 void SequenceEvaluator::write_rows(std::size_t sequence, std::size_t frame,
                                    Eigen::VectorXd& residuals, RowMatrix* jacobian) const {
   const Sequence& measured = sequences_[sequence];
+  const SequenceFrame& at = measured.frames[frame];
   const Bound& bound = *bound_[sequence];
-  const FrameWork& work = *frames_[sequence][frame];
-  const mechanics::Boundary& boundary =
-      measured.boundaries[static_cast<std::size_t>(measured.frames[frame].boundary)];
-  const auto points = static_cast<int>(measured.points.size());
-  for (int c = 0; c < channel_count(measured); ++c) {
+  const FrameWork::Slot& slot = frames_[sequence][frame]->slots[last_];
+  const RestState rest{measured.boundaries[static_cast<std::size_t>(at.boundary)], slot.state,
+                       slot.by_node};
+  Observation seen;
+  Eigen::RowVectorXd change;
+  for (int c = 0; c < bound.channels.count(); ++c) {
     const int row = bound.row_of[frame][static_cast<std::size_t>(c)];
     if (row < 0) continue;
-    double predicted = 0.0;
-    double sigma = 0.0;
-    Eigen::RowVectorXd by_p = Eigen::RowVectorXd::Zero(parameter_count_);
-    if (c < 3 * points) {
-      const MaterialLocation& place = bound.locations[static_cast<std::size_t>(c / 3)];
-      sigma = measured.points[static_cast<std::size_t>(c / 3)].sigma_m;
-      predicted = place.position(work.state.x)[c % 3];
-      if (jacobian)
-        for (std::size_t a = 0; a < 3; ++a)
-          by_p += place.weight[a] *
-                  work.by_parameter.x.row(3 * static_cast<Eigen::Index>(place.nodes[a]) + c % 3);
-    } else {
-      const ForceChannel& force = measured.forces[static_cast<std::size_t>(c - 3 * points)];
-      const mechanics::Clip& clip = boundary.clips[static_cast<std::size_t>(force.clip)];
-      sigma = force.sigma_N;
-      // the cords bear what the cloth pulls and what the clip weighs
-      const Eigen::Vector3d pull =
-          mechanics::reaction(clip, work.state.x, work.by_node, Eigen::Vector3d::Zero()).force_N;
-      predicted = -force.direction.dot(pull + clip.mass_kg * measured.loads.gravity_m_s2);
-      if (jacobian)
-        for (const int node : clip.nodes)
-          by_p += force.direction.transpose() *
-                  work.by_parameter.gradient.middleRows<3>(3 * static_cast<Eigen::Index>(node));
-    }
-    residuals[row] = (predicted - measured_value(measured, frame, c)) / sigma;
-    if (jacobian) jacobian->row(row) = by_p / sigma;
+    bound.channels.observe(measured, c, rest, seen);
+    const double sigma = bound.channels.sigma(measured, c);
+    residuals[row] = (seen.value - bound.channels.measured(at, c)) / sigma;
+    if (!jacobian) continue;
+    change_of(seen, slot.by_parameter, change);
+    jacobian->row(row) = change / sigma;
   }
 }
 

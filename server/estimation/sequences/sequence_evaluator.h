@@ -3,16 +3,20 @@
 // brought to equilibrium with the model's parameters, and what it predicts is compared.
 //
 //   r = (predicted - measured) / sigma
-//   Jacobian by the implicit function theorem (thesis (3.7), (3.8)), with equilibrium's own factor
+//   Jacobian by the implicit function theorem (thesis (3.7), (3.8), (4.10)), with equilibrium's own
+//   factor
 //
-// The first evaluation walks every sequence from its start. Later ones start each frame from where
-// the last Jacobian was taken, moved by dx/dp times the change of the parameters; so frames are
-// independent of each other and are solved in as many threads as wanted, with the same bytes.
+// The first evaluation walks every sequence from its start, or from the measured configurations of
+// its frames. Later ones start each frame from where the last Jacobian was taken, moved by dx/dp
+// times the change of the parameters; so frames are independent of each other and are solved in as
+// many threads as wanted, with the same bytes. While a fit is stepping (Accuracy::stepping) a frame
+// costs about one factorisation, which serves the sensitivities too.
 //
 //   auto evaluator = SequenceEvaluator::make(model, sequences, {.threads = 2});
 //   FitResult result = fit(*evaluator, model, options);
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -20,6 +24,7 @@
 #include "common/model/model.h"
 #include "server/estimation/residual_function.h"
 #include "server/estimation/sequences/sequence.h"
+#include "server/estimation/sequences/weighting.h"
 #include "server/mechanics/equilibrium/equilibrium.h"
 
 namespace tenter::estimation {
@@ -27,6 +32,21 @@ namespace tenter::estimation {
 struct SequenceOptions {
   int threads = 1;
   double tolerance_N = 1e-8;  ///< of the net force: below what differences of residuals show
+  double stepping_tolerance_N = 1e-6;  ///< the same while a fit is stepping, where larger
+  Weighting weighting = {};
+  std::function<double()> clock =
+      nullptr;  ///< in seconds, for SequenceCost; callable from any thread
+};
+
+/// What evaluations have cost so far. Seconds are summed over threads; zero without a clock.
+struct SequenceCost {
+  int equilibria = 0;
+  int iterations = 0;
+  int factorisations = 0;
+  int evaluations = 0;  ///< of a mesh's energy, with or without derivatives
+  int sensitivities = 0;
+  double equilibrium_s = 0.0;
+  double sensitivity_s = 0.0;
 };
 
 class SequenceEvaluator final : public ResidualFunction {
@@ -43,23 +63,36 @@ class SequenceEvaluator final : public ResidualFunction {
   [[nodiscard]] mechanics::PathStatus evaluate(const Eigen::VectorXd& parameters,
                                                Eigen::VectorXd& residuals,
                                                RowMatrix* jacobian) override;
+  void set_accuracy(Accuracy accuracy) override { accuracy_ = accuracy; }
+  Eigen::VectorXd weights() const override { return weights_; }
 
   const std::vector<Sequence>& sequences() const { return sequences_; }
   /// Of the last evaluation that ended ok, [sequence][frame].
   const std::vector<std::vector<mechanics::State>>& states() const { return states_; }
   /// Why the last evaluation failed; empty if it did not.
   const std::string& failure() const { return failure_; }
+  const SequenceCost& cost() const { return cost_; }
 
  private:
-  struct Bound;      ///< a sequence with its model and locations
+  struct Bound;      ///< a sequence with its model and channels
   struct FrameWork;  ///< what is kept of a frame
+  struct Run {       ///< frames that are walked one after the other
+    std::size_t sequence = 0, first = 0, last = 0;
+  };
+  struct SolveHow {
+    bool is_near = false;
+    bool may_predict = false;  ///< from the solve before: only where one thread walks
+    bool wants_sensitivity = false;
+  };
 
   SequenceEvaluator() = default;
   /// Made when first wanted: a thread's own for each boundary of each sequence.
   mechanics::EquilibriumSolver& solver_of(int thread, std::size_t sequence, std::size_t frame);
-  bool walk(std::size_t sequence, int thread, const Eigen::VectorXd& parameters);
-  bool solve_frame(std::size_t sequence, std::size_t frame, mechanics::EquilibriumSolver& solver,
-                   const Eigen::VectorXd& parameters, bool is_near, bool wants_sensitivity);
+  void solve_all(const Eigen::VectorXd& parameters, bool wants_sensitivity);
+  void walk(const Run& run, int thread, const Eigen::VectorXd& parameters, bool wants_sensitivity);
+  bool solve_frame(std::size_t sequence, std::size_t frame, int thread,
+                   const Eigen::VectorXd& parameters, const SolveHow& how);
+  bool has_failed();
   void write_rows(std::size_t sequence, std::size_t frame, Eigen::VectorXd& residuals,
                   RowMatrix* jacobian) const;
 
@@ -67,14 +100,25 @@ class SequenceEvaluator final : public ResidualFunction {
   std::vector<Sequence> sequences_;
   std::vector<std::shared_ptr<const Bound>> bound_;
   std::vector<std::vector<std::shared_ptr<FrameWork>>> frames_;
+  std::vector<std::pair<std::size_t, std::size_t>> all_frames_;
+  std::vector<Run> runs_;
   /// [thread][sequence][boundary]
   std::vector<std::vector<std::vector<std::unique_ptr<mechanics::EquilibriumSolver>>>> solvers_;
   std::vector<Row> rows_;
+  Eigen::VectorXd weights_;
   std::vector<std::vector<mechanics::State>> states_;
   std::string failure_;
+  SequenceCost cost_;
   int parameter_count_ = 0;
-  bool has_base_ = false;
-  Eigen::VectorXd base_parameters_;
+  Accuracy accuracy_ = Accuracy::exact;
+
+  // every frame keeps two slots: where the last Jacobian was taken, and the last evaluation, which
+  // may be the same
+  int base_ = -1;  ///< -1: none
+  int last_ = -1;
+  Eigen::VectorXd base_parameters_, last_parameters_;
+  Accuracy last_accuracy_ = Accuracy::exact;
+  bool last_has_sensitivity_ = false;
 };
 
 }  // namespace tenter::estimation

@@ -59,4 +59,27 @@ void NodeMatrix::multiply_add(const double* x, double* y) const {
   }
 }
 
+void NodeMatrix::multiply_add(const double* x, double* y, int count,
+                              const std::vector<bool>& wanted) const {
+  const std::ptrdiff_t rows = 3 * static_cast<std::ptrdiff_t>(node_count());
+  for (int j = 0; j < node_count(); ++j) {
+    const bool wants_j = wanted[static_cast<std::size_t>(j)];
+    for (int s = column_start_[static_cast<std::size_t>(j)];
+         s < column_start_[static_cast<std::size_t>(j) + 1]; ++s) {
+      const int i = row_[static_cast<std::size_t>(s)];
+      const bool wants_i = wanted[static_cast<std::size_t>(i)];
+      if (!wants_i && !wants_j) continue;
+      const double* k = block(s);
+      for (std::ptrdiff_t column = 0; column < count; ++column) {
+        const double* from = x + column * rows;
+        double* to = y + column * rows;
+        for (int c = 0; wants_i && c < 3; ++c)
+          for (int r = 0; r < 3; ++r) to[3 * i + r] += k[3 * c + r] * from[3 * j + c];
+        for (int c = 0; wants_j && i != j && c < 3; ++c)
+          for (int r = 0; r < 3; ++r) to[3 * j + c] += k[3 * c + r] * from[3 * i + r];
+      }
+    }
+  }
+}
+
 }  // namespace tenter::mechanics

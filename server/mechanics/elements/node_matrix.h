@@ -37,6 +37,8 @@ class NodeMatrix {
 
   /// y += A x over all nodes (3 numbers a node).
   void multiply_add(const double* x, double* y) const;
+  /// The same for `count` columns of x and y, and only for the rows of y of nodes that are wanted.
+  void multiply_add(const double* x, double* y, int count, const std::vector<bool>& wanted) const;
 
  private:
   std::vector<int> column_start_ = {0};

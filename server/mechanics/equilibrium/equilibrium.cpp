@@ -137,7 +137,9 @@ Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& para
       result.factorisations += result.last.factorisations;
       result.evaluations += result.last.evaluations;
       result.stability = Stability::not_checked;
-      if (!result.last.is_equilibrium() || !options.check_minimum) break;
+      if (!result.last.is_equilibrium()) break;
+      if (options.reuse_factor && result.last.has_exact_factor) has_factor_ = true;
+      if (has_factor_ || !options.check_minimum) break;
       result.stability = check(potential, state, result);
       if (result.stability != Stability::saddle || saddle == kMostSaddles) break;
       // a motion so soft that its force is below the tolerance: look closer
@@ -149,7 +151,7 @@ Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& para
       ++result.saddles_left;
       is_near = false;
     }
-    is_near = result.stability == Stability::minimum;
+    is_near = has_factor_;
     const EquilibriumResult before = result;
     if (!result.last.is_equilibrium() || !has_constraints) break;
     if (are_constraints_met(options, parameters, state, result)) break;
@@ -237,7 +239,7 @@ MinimiseResult EquilibriumSolver::minimise(const Potential& potential,
                                            State& state) {
   has_factor_ = false;
   const MinimiseOptions how{options.tolerance_N, options.max_iterations, is_near,
-                            options.max_move_m};
+                            options.max_move_m, options.reuse_factor};
   switch (options.minimiser) {
     case Minimiser::additive_lm:
       return minimise_by_additive_lm(potential, *factor_, how, state, work_);

@@ -36,7 +36,12 @@ struct EquilibriumOptions {
                         ///< nothing but what is passed
   double max_move_m = 0.0;  ///< see MinimiseOptions
   Minimiser minimiser = Minimiser::newton;
-  bool check_minimum = true;         ///< and leave saddles
+  bool check_minimum = true;  ///< and leave saddles
+  /// Newton: fewer factorisations near a solution. Where a factor of an exact, positive definite
+  /// stiffness on the last way to the result is at hand, it stands for the check of the minimum,
+  /// and factor() and node_stiffness() are there: sensitivities are then off by what the stiffness
+  /// changed on that way, which shrinks with it.
+  bool reuse_factor = false;
   double contact_depth_m = 1e-6;     ///< conditions of contact hold to this
   double limit_tolerance = 1e-6;     ///< energy limits hold to this part of psi_max
   double contact_penalty_N_m = 0.0;  ///< 0: the mean of the stiffness' diagonal
@@ -90,8 +95,8 @@ class EquilibriumSolver {
   const MeshModel& model() const { return *model_; }
   const Contact& contact() const { return contact_; }
   const EnergyLimitState& limits() const { return limits_; }
-  /// The factor of the exact stiffness at the last result; null unless that was checked to be a
-  /// minimum.
+  /// The factor of the exact stiffness at the last result (near it with reuse_factor); null unless
+  /// that was checked to be a minimum.
   SparseFactor* factor() { return has_factor_ ? factor_.get() : nullptr; }
   /// Stiffness over all nodes there, loads and contact included.
   const NodeMatrix& node_stiffness() const { return work_.current.node_stiffness; }

@@ -33,6 +33,9 @@ struct MinimiseOptions {
   int max_iterations = 2000;
   bool start_is_near = false;  ///< trust the exact stiffness from the start
   double max_move_m = 0.0;     ///< longest way of a node in one step; 0: a tenth of the extent
+  /// Newton: with the factor of the last exact stiffness go on while steps shrink the net force
+  /// fast; then the stiffness that is kept is that of the factor, not of the end.
+  bool reuse_factor = false;
 };
 
 struct MinimiseResult {
@@ -50,8 +53,8 @@ struct MinimiseResult {
 
 /// Scratch that is kept between solves. `current` belongs to the returned state.
 struct MinimiseWorkspace {
-  PotentialValue current, trial, curved;
-  State trial_state, curved_state;
+  PotentialValue current, trial;
+  State trial_state;
   Eigen::VectorXd step, sum;
   std::vector<double> shifted;
 };

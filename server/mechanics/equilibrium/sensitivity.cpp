@@ -25,14 +25,25 @@ class Compliance {
     return Compliance(solver, state);
   }
 
-  /// Both over all nodes, 3 numbers each.
-  void solve(const Eigen::VectorXd& force, Eigen::VectorXd& displacement) {
+  /// Columns over all nodes, 3 numbers each; `displacement` has the size of `force`.
+  void solve(const Eigen::MatrixXd& force, Eigen::MatrixXd& displacement) {
     const Unknowns& unknowns = solver_.unknowns();
-    unknowns.restrict_to(state_, force, by_unknown_);
-    solver_.factor()->solve(by_unknown_.data(), by_unknown_.data(), 1);
+    by_unknown_.resize(unknowns.count(), force.cols());
+    Eigen::VectorXd column, moved;
+    for (Eigen::Index k = 0; k < force.cols(); ++k) {
+      unknowns.restrict_to(state_, force.col(k), column);
+      by_unknown_.col(k) = column;
+    }
+    solver_.factor()->solve(by_unknown_.data(), by_unknown_.data(),
+                            static_cast<int>(by_unknown_.cols()));
     if (normals_.cols() > 0)
       by_unknown_ -= answers_ * touching_.solve(normals_.transpose() * by_unknown_);
-    unknowns.expand(state_, by_unknown_, displacement);
+    displacement.resize(force.rows(), force.cols());
+    for (Eigen::Index k = 0; k < force.cols(); ++k) {
+      column = by_unknown_.col(k);
+      unknowns.expand(state_, column, moved);
+      displacement.col(k) = moved;
+    }
   }
 
  private:
@@ -59,30 +70,26 @@ class Compliance {
   const State& state_;
   Eigen::MatrixXd normals_, answers_;      ///< N and K^-1 N
   Eigen::LDLT<Eigen::MatrixXd> touching_;  ///< of N' K^-1 N
-  Eigen::VectorXd by_unknown_;
+  Eigen::MatrixXd by_unknown_;
 };
 
-/// dx and dG from the change of G at fixed x of what is free, column by column.
+/// dx and dG from the change of G at fixed x of what is free.
 Expected<Sensitivity> answer(EquilibriumSolver& solver, const State& state,
                              const Eigen::MatrixXd& partial, const Eigen::MatrixXd* held_m) {
   auto compliance = Compliance::at(solver, state);
   if (!compliance) return tl::unexpected(compliance.error());
   Sensitivity result;
-  result.x.resize(partial.rows(), partial.cols());
-  result.gradient = partial;
-  Eigen::VectorXd force, moved, product;
-  for (Eigen::Index k = 0; k < partial.cols(); ++k) {
-    force = -partial.col(k);
-    compliance->solve(force, moved);
-    product.setZero(moved.size());
-    solver.node_stiffness().multiply_add(moved.data(), product.data());
-    result.gradient.col(k) += product;
-    if (held_m) moved += held_m->col(k);
-    result.x.col(k) = moved;
-  }
+  compliance->solve(-partial, result.x);
   // what obstacles bear changes with the state too: it is no force of the mesh on a holder
+  std::vector<bool> is_held(static_cast<std::size_t>(partial.rows() / 3), true);
+  for (const int node : solver.unknowns().free_nodes())
+    is_held[static_cast<std::size_t>(node)] = false;
+  result.gradient = partial;
+  solver.node_stiffness().multiply_add(result.x.data(), result.gradient.data(),
+                                       static_cast<int>(partial.cols()), is_held);
   for (const int node : solver.unknowns().free_nodes())
     result.gradient.middleRows<3>(3 * static_cast<Eigen::Index>(node)).setZero();
+  if (held_m) result.x += *held_m;
   return result;
 }
 
@@ -132,9 +139,9 @@ Expected<Eigen::VectorXd> objective_by_parameter(EquilibriumSolver& solver,
     held_gradient.segment<3>(3 * static_cast<Eigen::Index>(node)).setZero();
   Eigen::VectorXd weight = by_x;
   solver.node_stiffness().multiply_add(held_gradient.data(), weight.data());
-  Eigen::VectorXd adjoint;
+  Eigen::MatrixXd adjoint;
   compliance->solve(weight, adjoint);
-  return Eigen::VectorXd(partial.transpose() * (held_gradient - adjoint));
+  return Eigen::VectorXd(partial.transpose() * (held_gradient - adjoint.col(0)));
 }
 
 }  // namespace tenter::mechanics

@@ -2,12 +2,10 @@
 #include "common/capture/csv_export.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "common/base/atomic_write.h"
+#include "common/capture/csv_export_parts.h"
 #include "common/capture/csv_table.h"
 #include "common/capture/vocabulary.h"
 
@@ -16,14 +14,6 @@ namespace tenter::capture {
 namespace {
 
 using nlohmann::ordered_json;
-
-/// Shortest text that reads back to the same double; "" for a missing value.
-std::string cell_of(double value) {
-  if (std::isnan(value)) return "";
-  std::array<char, 40> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  return std::string(text.data(), end);
-}
 
 bool has_groups(const Capture& capture) {
   return std::any_of(capture.runs.begin(), capture.runs.end(),
@@ -51,6 +41,8 @@ ordered_json describe_channel(const Channel& channel) {
   if (channel.may_be_missing) column["missing"] = "allowed";
   return column;
 }
+
+}  // namespace
 
 ordered_json describe_columns(const Capture& capture) {
   ordered_json columns;
@@ -105,6 +97,8 @@ ordered_json describe_provenance(const Provenance& provenance) {
           {"imported_sha256", provenance.imported_sha256}};
 }
 
+namespace {
+
 ordered_json describe_axis(const AxisState& axis) {
   ordered_json out = {{"role", to_word(axis.role)}};
   if (axis.source == AxisState::Source::channel) out["channel"] = axis.channel;
@@ -136,6 +130,8 @@ std::string description_of(const Capture& capture) {
   return root.dump(2) + "\n";
 }
 
+}  // namespace
+
 std::string table_of(const Capture& capture) {
   const bool groups = has_groups(capture);
   const bool phases = capture.protocol.phases.size() > 1;
@@ -156,17 +152,15 @@ std::string table_of(const Capture& capture) {
       csv +=
           csv_cell(capture.protocol.phases[static_cast<std::size_t>(capture.phase[i])].name) + ",";
     csv += to_word(capture.branch[i]);
-    if (!capture.time_s.empty()) csv += "," + cell_of(capture.time_s[i]);
+    if (!capture.time_s.empty()) csv += "," + csv_number(capture.time_s[i]);
     for (const Channel& channel : capture.channels) {
-      csv += "," + cell_of(channel.values[i]);
-      if (!channel.sigma_per_frame.empty()) csv += "," + cell_of(channel.sigma_per_frame[i]);
+      csv += "," + csv_number(channel.values[i]);
+      if (!channel.sigma_per_frame.empty()) csv += "," + csv_number(channel.sigma_per_frame[i]);
     }
     csv += "\n";
   }
   return csv;
 }
-
-}  // namespace
 
 CsvExport export_csv(const Capture& capture) {
   return {table_of(capture), description_of(capture)};

@@ -2,16 +2,16 @@
 #include "common/capture/csv_import.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <set>
 
 #include "common/base/sha256.h"
 #include "common/base/text_file.h"
 #include "common/capture/branch_detection.h"
+#include "common/capture/csv_cells.h"
+#include "common/capture/csv_import_table.h"
 #include "common/capture/csv_table.h"
 #include "common/capture/description.h"
 #include "common/capture/validate.h"
@@ -21,17 +21,18 @@ namespace tenter::capture {
 
 namespace {
 
-constexpr std::size_t kMaxCsvBytes = 2000000000;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 /// The import of one file, step by step; each step fills one part of the capture.
 class Import {
  public:
   Import(const CsvTable& table, const Description& description, const std::string& csv_name,
          const std::string& json_name)
-      : table_(table), description_(description), csv_(csv_name), json_(json_name) {}
+      : table_(table),
+        description_(description),
+        csv_(csv_name),
+        json_(json_name),
+        cells_(table, csv_name, json_name, description.decimal_comma) {}
 
-  Expected<Capture> run() {
+  Expected<ImportedTable> run() {
     capture_ = description_.head;
     if (auto ok = match_columns(); !ok) return tl::unexpected(ok.error());
     if (auto ok = choose_rows(); !ok) return tl::unexpected(ok.error());
@@ -42,14 +43,13 @@ class Import {
     if (auto ok = read_phases(); !ok) return tl::unexpected(ok.error());
     assume_sizes();
     if (auto ok = read_branches(); !ok) return tl::unexpected(ok.error());
-    return std::move(capture_);
+    return ImportedTable{std::move(capture_), std::move(rows_)};
   }
 
  private:
   tl::unexpected<Error> at(std::size_t row, const std::string& column,
                            const std::string& what) const {
-    return bad_input(csv_ + ": line " + std::to_string(table_.lines[row]) + ", column \"" + column +
-                     "\": " + what + ".");
+    return cells_.at(row, column, what);
   }
 
   std::size_t column_of(const ColumnDescription& column) const { return table_.find(column.csv); }
@@ -96,39 +96,30 @@ class Import {
           });
       if (keep) rows_.push_back(row);
     }
+    if (description_.rows_repeat_frames) drop_repeated_frames();
     if (!rows_.empty()) return {};
     return bad_input(csv_ + (table_.row_count() == 0 ? ": has a header but no rows."
                                                      : ": no row has the cells that \"where\" of " +
                                                            json_ + " asks for."));
   }
 
-  Expected<double> number(std::size_t row, const std::string& column, std::string text,
+  Expected<double> number(std::size_t row, const std::string& column, const std::string& text,
                           bool may_be_missing) const {
-    if (text.empty()) {
-      if (may_be_missing) return kNaN;
-      return at(row, column, "is blank, and " + json_ + " does not declare missing values there");
-    }
-    if (description_.decimal_comma) std::replace(text.begin(), text.end(), ',', '.');
-    const char* begin = text.data() + (text.size() > 1 && text[0] == '+' && text[1] != '-' ? 1 : 0);
-    const char* end = text.data() + text.size();
-    double value = 0.0;
-    const auto [stop, error] = std::from_chars(begin, end, value);
-    if (stop != end || error == std::errc::invalid_argument)
-      return at(row, column, "\"" + text.substr(0, 40) + "\" is not a number");
-    if (error == std::errc::result_out_of_range || std::isinf(value))
-      return at(row, column, "\"" + text.substr(0, 40) + "\" is too large or too small");
-    if (std::isnan(value) && !may_be_missing)
-      return at(row, column, "is NaN, and " + json_ + " does not declare missing values there");
-    return value;
+    return cells_.number(row, column, text, may_be_missing);
   }
 
   Expected<int> whole_number(std::size_t row, const ColumnDescription& column) const {
-    const std::string& text = cell(row, column);
-    int value = 0;
-    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (text.empty() || error != std::errc{} || stop != text.data() + text.size())
-      return at(row, column.csv, "\"" + text.substr(0, 40) + "\" is not a whole number");
-    return value;
+    return cells_.whole_number(row, column.csv, cell(row, column));
+  }
+
+  void drop_repeated_frames() {
+    const ColumnDescription* run = description_.find(&ColumnDescription::is_run);
+    const ColumnDescription* frame = description_.find(&ColumnDescription::is_frame);
+    if (!frame) return;
+    std::set<std::pair<std::string, std::string>> seen;
+    std::erase_if(rows_, [&](std::size_t row) {
+      return !seen.emplace(run ? cell(row, *run) : "", cell(row, *frame)).second;
+    });
   }
 
   /// Runs in the order of the file. A column of texts (paths, say) numbers its runs from 1.
@@ -319,11 +310,17 @@ class Import {
   const Description& description_;
   const std::string& csv_;
   const std::string& json_;
+  CsvCells cells_;
   std::vector<std::size_t> rows_;
   Capture capture_;
 };
 
 }  // namespace
+
+Expected<ImportedTable> import_table(const CsvTable& table, const Description& description,
+                                     const std::string& csv_name, const std::string& json_name) {
+  return Import(table, description, csv_name, json_name).run();
+}
 
 Expected<Capture> import_csv(const std::string& csv_path, const std::string& describe_path) {
   const Expected<Description> description = read_description(describe_path);
@@ -332,8 +329,9 @@ Expected<Capture> import_csv(const std::string& csv_path, const std::string& des
   if (!text) return tl::unexpected(text.error());
   const Expected<CsvTable> table = parse_csv(*text, description->csv, csv_path);
   if (!table) return tl::unexpected(table.error());
-  Expected<Capture> capture = Import(*table, *description, csv_path, describe_path).run();
-  if (!capture) return capture;
+  Expected<ImportedTable> imported = import_table(*table, *description, csv_path, describe_path);
+  if (!imported) return tl::unexpected(imported.error());
+  Expected<Capture> capture = std::move(imported->capture);
   if (!description->origin_given) {
     capture->provenance.imported_from = std::filesystem::path(csv_path).filename().string();
     capture->provenance.imported_sha256 = sha256_hex(*text);

@@ -2,6 +2,9 @@
 #include "common/capture/csv_table.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <set>
 
 namespace tenter::capture {
@@ -164,6 +167,13 @@ std::string csv_cell(const std::string& text, char separator) {
     quoted.push_back(c);
   }
   return quoted + "\"";
+}
+
+std::string csv_number(double value) {
+  if (std::isnan(value)) return "";
+  std::array<char, 40> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return std::string(text.data(), end);
 }
 
 }  // namespace tenter::capture

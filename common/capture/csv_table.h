@@ -40,4 +40,7 @@ Expected<CsvTable> parse_csv(const std::string& text, const CsvOptions& options,
 /// The same cell, quoted where it must be.
 std::string csv_cell(const std::string& text, char separator = ',');
 
+/// Shortest text that reads back to the same double; "" for a missing value.
+std::string csv_number(double value);
+
 }  // namespace tenter::capture

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "common/base/text_file.h"
+#include "common/capture/description_parts.h"
 #include "common/capture/strict_json.h"
 #include "common/capture/vocabulary.h"
 
@@ -74,7 +75,8 @@ void read_branch_words(JsonObject& column, ColumnDescription& out) {
   }
 }
 
-/// {"is": "time"} and the like, or a channel.
+}  // namespace
+
 ColumnDescription read_column(JsonObject& columns, const std::string& name) {
   ColumnDescription out;
   out.csv = name;
@@ -134,6 +136,14 @@ void check_columns(const Description& out, JsonDefect& defect) {
                       "names a column that is described as something else");
 }
 
+void check_protocol_against_columns(const Description& out, JsonDefect& defect) {
+  if (out.runs_repeat && out.find(&ColumnDescription::is_group))
+    defect.note("protocol.repeats", "contradicts the column that gives the group");
+  if (out.head.protocol.name.empty()) defect.note("protocol.name", "is empty");
+  if (out.branch && out.find(&ColumnDescription::is_branch))
+    defect.note("protocol.branch", "contradicts the column that gives the branch");
+}
+
 void read_specimen(JsonObject object, Specimen& out) {
   out.name = object.text("name");
   out.material = object.text("material");
@@ -181,6 +191,8 @@ void read_provenance(JsonObject object, Description& description) {
   object.finish();
 }
 
+namespace {
+
 AxisState read_axis(JsonObject object, double fixed_otherwise) {
   AxisState axis;
   axis.fixed_value = fixed_otherwise;
@@ -214,6 +226,8 @@ void read_kinematics(JsonObject object, Kinematics& out) {
   object.finish();
 }
 
+}  // namespace
+
 void read_file_options(JsonObject& root, Description& out) {
   const std::string separator = root.text_or("separator", ",");
   if (separator != "," && separator != ";" && separator != "\t")
@@ -237,6 +251,8 @@ void read_file_options(JsonObject& root, Description& out) {
     for (const std::string& column : where->keys())
       out.where.emplace_back(column, where->texts(column));
 }
+
+namespace {
 
 void read_root(JsonObject& root, Description& out) {
   if (const std::string schema = root.text_or("schema", "tenter.describe");
@@ -263,11 +279,7 @@ void read_root(JsonObject& root, Description& out) {
     root.defect().note("assume_unit_width", "contradicts the size that specimen gives");
   if (out.assume_unit_thickness && specimen.thickness_m)
     root.defect().note("assume_unit_thickness", "contradicts specimen.thickness");
-  if (out.runs_repeat && out.find(&ColumnDescription::is_group))
-    root.defect().note("protocol.repeats", "contradicts the column that gives the group");
-  if (out.head.protocol.name.empty()) root.defect().note("protocol.name", "is empty");
-  if (out.branch && out.find(&ColumnDescription::is_branch))
-    root.defect().note("protocol.branch", "contradicts the column that gives the branch");
+  check_protocol_against_columns(out, root.defect());
   root.finish();
 }
 

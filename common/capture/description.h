@@ -41,6 +41,7 @@ struct Description {
       where;  ///< keep rows with these cells
   std::vector<ColumnDescription> columns;
   std::optional<Branch> branch;        ///< all rows, where the description says so
+  bool rows_repeat_frames = false;     ///< of rows with the same run and frame the first one counts
   bool origin_given = false;           ///< provenance names the imported file itself
   bool runs_repeat = false;            ///< all runs are one group
   bool assume_unit_width = false;      ///< 1 m

@@ -133,11 +133,19 @@ json summary_of(const capture::Capture& capture) {
   json channels = json::array();
   for (const capture::Channel& channel : capture.channels)
     channels.push_back({{"name", channel.name}, {"unit", channel.unit}});
-  return {{"frames", capture.frame_count()},           {"runs", capture.runs.size()},
-          {"timed", !capture.time_s.empty()},          {"specimen", capture.specimen.name},
-          {"material", capture.specimen.material},     {"protocol", capture.protocol.name},
-          {"synthetic", capture.provenance.synthetic}, {"source", capture.provenance.source},
-          {"licence", capture.provenance.licence},     {"channels", std::move(channels)}};
+  json summary = {
+      {"frames", capture.frame_count()},           {"runs", capture.runs.size()},
+      {"timed", !capture.time_s.empty()},          {"specimen", capture.specimen.name},
+      {"material", capture.specimen.material},     {"protocol", capture.protocol.name},
+      {"synthetic", capture.provenance.synthetic}, {"source", capture.provenance.source},
+      {"licence", capture.provenance.licence},     {"channels", std::move(channels)}};
+  if (capture.sheet)
+    summary["sheet"] = {{"vertices", capture.sheet->vertex_count()},
+                        {"triangles", capture.sheet->triangles.size()},
+                        {"clips", capture.sheet->clips.size()},
+                        {"cords", capture.sheet->cords.size()},
+                        {"supports", capture.sheet->supports.size()}};
+  return summary;
 }
 
 /// What is said of a mesh file, by how it begins; null for anything else. Whether it holds a mesh

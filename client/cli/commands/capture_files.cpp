@@ -11,9 +11,13 @@
 #include "client/cli/output.h"
 #include "client/cli/scratch.h"
 #include "common/base/sha256.h"
+#include "common/base/text_file.h"
 #include "common/capture/capture_file.h"
 #include "common/capture/csv_export.h"
 #include "common/capture/csv_import.h"
+#include "common/capture/sheet/sheet_export.h"
+#include "common/capture/sheet_import/sheet_description.h"
+#include "common/capture/sheet_import/sheet_import.h"
 #include "common/capture/show.h"
 
 namespace tenter::cli {
@@ -21,7 +25,7 @@ namespace tenter::cli {
 namespace {
 
 struct Import {
-  std::string csv;
+  std::string csv;  ///< or a description that names its tables
   std::string describe;
   std::string output;
   bool force = false;
@@ -31,30 +35,59 @@ Json capture_json(const capture::Capture& capture, const std::string& file, cons
   Json channels = Json::array();
   for (const capture::Channel& channel : capture.channels)
     channels.push_back({{"name", channel.name}, {"unit", channel.unit}, {"sigma", channel.sigma}});
-  return {{"file", file},
-          {"id", id},
-          {"kind", capture.kind},
-          {"title", capture.title},
-          {"synthetic", capture.provenance.synthetic},
-          {"specimen", capture.specimen.name},
-          {"material", capture.specimen.material},
-          {"protocol", capture.protocol.name},
-          {"runs", capture.runs.size()},
-          {"frames", capture.frame_count()},
-          {"has_time", !capture.time_s.empty()},
-          {"channels", channels}};
+  Json out = {{"file", file},
+              {"id", id},
+              {"kind", capture.kind},
+              {"title", capture.title},
+              {"synthetic", capture.provenance.synthetic},
+              {"specimen", capture.specimen.name},
+              {"material", capture.specimen.material},
+              {"protocol", capture.protocol.name},
+              {"runs", capture.runs.size()},
+              {"frames", capture.frame_count()},
+              {"has_time", !capture.time_s.empty()},
+              {"channels", channels}};
+  if (capture.sheet)
+    out["sheet"] = {{"vertices", capture.sheet->vertex_count()},
+                    {"triangles", capture.sheet->triangles.size()},
+                    {"clips", capture.sheet->clips.size()},
+                    {"cords", capture.sheet->cords.size()},
+                    {"supports", capture.sheet->supports.size()}};
+  return out;
+}
+
+std::string counted(std::size_t count, const std::string& one) {
+  return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
 }
 
 std::string counts(const capture::Capture& capture) {
-  return std::to_string(capture.frame_count()) + " frames in " +
-         std::to_string(capture.runs.size()) + (capture.runs.size() == 1 ? " run, " : " runs, ") +
-         std::to_string(capture.channels.size()) + " channels";
+  const std::string frames = std::to_string(capture.frame_count()) + " frames in " +
+                             counted(capture.runs.size(), "run") + ", ";
+  if (!capture.sheet) return frames + std::to_string(capture.channels.size()) + " channels";
+  return frames + std::to_string(capture.sheet->vertex_count()) +
+         (capture.sheet->triangles.empty() ? " points, " : " vertices, ") +
+         counted(capture.sheet->clips.size(), "clip") + ", " +
+         counted(capture.sheet->cords.size(), "cord");
+}
+
+/// A CSV with its description, or the description of a sheet, which may name all of its tables.
+Expected<capture::Capture> read_source(const Import& order) {
+  const bool is_alone = order.describe.empty();
+  if (is_alone && std::filesystem::path(order.csv).extension() != ".json")
+    return bad_input(order.csv + ": --describe FILE must say what its columns are");
+  const std::string& describe = is_alone ? order.csv : order.describe;
+  constexpr std::size_t kMaxDescriptionBytes = 16000000;
+  const Expected<std::string> text = read_text_file(describe, kMaxDescriptionBytes);
+  if (!text) return tl::unexpected(text.error());
+  if (is_alone || capture::describes_sheet(*text))
+    return capture::import_sheet(describe, is_alone ? "" : order.csv);
+  return capture::import_csv(order.csv, order.describe);
 }
 
 /// Imports into a file beside the output first, so that what is there stays if anything is wrong.
 Expected<void> import_capture(const Context& context, const Import& order) {
   namespace fs = std::filesystem;
-  const Expected<capture::Capture> capture = capture::import_csv(order.csv, order.describe);
+  const Expected<capture::Capture> capture = read_source(order);
   if (!capture) return tl::unexpected(capture.error());
   const fs::path output =
       order.output.empty() ? fs::path(order.csv).replace_extension(".h5") : fs::path(order.output);
@@ -158,6 +191,27 @@ struct Export {
   bool force = false;
 };
 
+/// A sheet becomes several tables; the description that joins them is what `-o` names.
+Expected<void> export_sheet_files(const Context& context, const Export& order,
+                                  const capture::Capture& capture,
+                                  const std::filesystem::path& source) {
+  const std::string& given = order.describe.empty() ? order.output : order.describe;
+  if (given == "-")
+    return bad_input(order.name +
+                     ": is a deforming sheet, which becomes several files; -o names a file");
+  const std::filesystem::path describe =
+      std::filesystem::path(given.empty() ? source.string() : given).replace_extension(".json");
+  const auto files = capture::export_sheet(capture, describe.string(), order.force);
+  if (!files) return tl::unexpected(files.error());
+  if (context.json) {
+    print_json(
+        {{"describe", describe.string()}, {"files", *files}, {"frames", capture.frame_count()}});
+    return {};
+  }
+  for (const std::string& path : *files) print_text(path + " written\n");
+  return {};
+}
+
 /// An export never writes over the CSV that a capture was made of.
 Expected<void> export_capture(const Context& context, const Export& order) {
   namespace fs = std::filesystem;
@@ -167,11 +221,12 @@ Expected<void> export_capture(const Context& context, const Export& order) {
   if (!file) return tl::unexpected(file.error());
   const Expected<capture::Capture> capture = capture::read_capture_guarded(file->string());
   if (!capture) return tl::unexpected(capture.error());
+  const fs::path source = fs::exists(order.name) ? fs::path(order.name) : file->filename();
+  if (capture->sheet) return export_sheet_files(context, order, *capture, source);
   if (order.output == "-") {
     print_text(capture::export_csv(*capture).csv);
     return {};
   }
-  const fs::path source = fs::exists(order.name) ? fs::path(order.name) : file->filename();
   const fs::path csv =
       order.output.empty() ? fs::path(source).replace_extension(".csv") : fs::path(order.output);
   const fs::path describe =
@@ -194,21 +249,26 @@ Expected<void> export_capture(const Context& context, const Export& order) {
 
 void add_import(CLI::App& group, Context& context) {
   CLI::App* command =
-      group.add_subcommand("import", "make a capture of a CSV file and its description");
+      group.add_subcommand("import", "make a capture of CSV tables and their description");
   command->footer(
       "The description is a small JSON file that names the columns, their units, the specimen and "
       "the protocol; see "
       "common/capture/README.md. What cannot be understood is refused with file, line and column, "
       "exit code 2, and "
-      "nothing is written. Prints the SHA-256 that names the capture.\n"
+      "nothing is written. Of a deforming sheet (kind deforming_sheet, see "
+      "common/capture/sheet_import/README.md) FILE may be the description itself, which then names "
+      "all of its tables. Prints the SHA-256 that names the capture.\n"
       "EXAMPLES\n"
       "    tenter capture import pull.csv --describe pull.json\n"
-      "    tenter capture import pull.csv --describe pull.json -o captures/pull.h5\n");
+      "    tenter capture import pull.csv --describe pull.json -o captures/pull.h5\n"
+      "    tenter capture import sheet.json\n");
   auto order = std::make_shared<Import>();
-  command->add_option("FILE", order->csv, "The CSV file.")->required();
-  command->add_option("--describe", order->describe, "What its columns are (JSON).")
-      ->type_name("FILE")
+  command
+      ->add_option("FILE", order->csv,
+                   "The CSV file, or the description of a sheet and its tables.")
       ->required();
+  command->add_option("--describe", order->describe, "What the columns of the CSV are (JSON).")
+      ->type_name("FILE");
   command
       ->add_option("-o,--output", order->output,
                    "The capture file to write. Default: FILE with .h5 in place of its extension.")
@@ -253,7 +313,7 @@ void add_export(CLI::App& group, Context& context) {
       "export", "write a capture as CSV and the description that imports it again");
   command->footer(
       "Values are SI in their shortest exact form; import gives the same capture back, bit for "
-      "bit.\n"
+      "bit. A deforming sheet becomes several tables and an OBJ file beside the description.\n"
       "EXAMPLES\n    tenter capture export pull.h5 -o again.csv\n    tenter capture export 3fa9c1 "
       "-o -\n");
   auto order = std::make_shared<Export>();
@@ -263,7 +323,8 @@ void add_export(CLI::App& group, Context& context) {
       ->required();
   command
       ->add_option("-o,--output", order->output,
-                   "The CSV file; - is standard output. Default: CAPTURE with .csv.")
+                   "The CSV file (of a sheet: its description); - is standard output. Default: "
+                   "CAPTURE with .csv.")
       ->type_name("FILE");
   command
       ->add_option("--describe", order->describe,

@@ -4,7 +4,6 @@
 #include <set>
 
 #include "common/report/html_text.h"
-#include "common/report/summary.h"
 #include "common/report/svg_plot.h"
 #include "common/report/words.h"
 
@@ -42,12 +41,12 @@ struct Key {
   std::string words;
 };
 
-Key key_of(const std::string& role, bool loop, bool residual, bool unloading, bool extended) {
-  if (role == "baseline" && !extended)
-    return {"baseline", residual ? "left by the model" : "model"};
-  if (role == "baseline") return {"baseline", residual ? "left by the baseline" : "baseline model"};
-  if (role == "extended")
-    return {"extended", residual ? "left by the extended model" : "extended model"};
+Key key_of(const std::string& role, bool loop, bool residual, bool unloading,
+           const ModelWords& models) {
+  const std::string left = residual ? "left by the " : "";
+  if (role == "baseline" && !models.are_two) return {"baseline", left + "model"};
+  if (role == "baseline") return {"baseline", left + models.baseline};
+  if (role == "extended") return {"extended", left + models.extended};
   if (role == "outlier") return {"outlier", "outlier, kept out of the fit"};
   if (!loop) return {"measured", "measured"};
   return unloading ? Key{"measured unload", "measured, unloading"}
@@ -89,10 +88,9 @@ std::string short_title(std::string title, const std::string& capture_title) {
   return title;
 }
 
-/// `heading` is HTML: the capture that the figure is of. Without an extended model the baseline is
-/// "the model".
+/// `heading` is HTML: the capture that the figure is of.
 std::string figure_html(const Json& figure, const std::string& capture_title,
-                        const std::string& heading, bool extended) {
+                        const std::string& heading, const ModelWords& models) {
   const std::string kind = text(figure, "kind");
   const bool residual = kind.rfind("residual", 0) == 0;
   Plot plot;
@@ -110,12 +108,12 @@ std::string figure_html(const Json& figure, const std::string& capture_title,
   for (const char* role : {"measured", "baseline", "extended", "outlier"}) {
     for (const Json& entry : list(figure, "series")) {
       if (text(entry, "role") != role) continue;
-      if (!extended && std::string(role) == "extended") continue;
+      if (!models.are_two && std::string(role) == "extended") continue;
       PlotSeries series;
       series.x = numbers(entry, "x");
       series.y = numbers(entry, "y");
       const bool unloading = kind == "loop" && is_unloading(entry, series.x);
-      const Key key = key_of(role, kind == "loop", residual, unloading, extended);
+      const Key key = key_of(role, kind == "loop", residual, unloading, models);
       series.name = text(entry, "name");
       if (series.name.empty()) series.name = key.words;
       const std::string block = text(entry, "block");
@@ -139,14 +137,14 @@ std::string figure_html(const Json& figure, const std::string& capture_title,
 
 /// The figures of some kinds, capture after capture in the order of the result's list.
 std::string section(const Json& result, const std::string& title, const std::string& anchor,
-                    const std::string& note, const std::set<std::string>& kinds, bool all_others) {
+                    const std::string& note, const std::set<std::string>& kinds, bool all_others,
+                    const ModelWords& models) {
   static const std::set<std::string> known = {"loop", "transverse", "residual_strain",
                                               "residual_time"};
   const auto wanted = [&](const Json& figure) {
     const std::string kind = text(figure, "kind");
     return all_others ? known.count(kind) == 0 : kinds.count(kind) == 1;
   };
-  const bool extended = extends_baseline(result);
   const Json& captures = list(result, "captures");
   std::set<std::string> listed;
   std::string figures;
@@ -157,11 +155,11 @@ std::string section(const Json& result, const std::string& title, const std::str
     if (flag(capture, "synthetic")) heading += " <span class=\"badge synthetic\">SYNTHETIC</span>";
     for (const Json& figure : list(result, "figures"))
       if (text(figure, "capture") == id && wanted(figure))
-        figures += figure_html(figure, text(capture, "title"), heading, extended);
+        figures += figure_html(figure, text(capture, "title"), heading, models);
   }
   for (const Json& figure : list(result, "figures"))
     if (listed.count(text(figure, "capture")) == 0 && wanted(figure))
-      figures += figure_html(figure, "", "", extended);
+      figures += figure_html(figure, "", "", models);
   if (figures.empty()) return "";
   return "<section id=\"" + anchor + "\">\n<h2>" + title + "</h2>\n" +
          (note.empty() ? "" : "<p class=\"soft\">" + note + "</p>\n") +
@@ -170,18 +168,18 @@ std::string section(const Json& result, const std::string& title, const std::str
 
 }  // namespace
 
-std::string figure_sections(const Json& result) {
+std::string figure_sections(const Json& result, const ModelWords& models) {
   return section(result, "Loops", "loops",
                  "Every reading as it was measured, loading and unloading apart, nothing averaged; "
                  "the models run the same path.",
-                 {"loop"}, false) +
+                 {"loop"}, false, models) +
          section(result, "Transverse stretches", "transverse",
                  "The directions that nothing pulls, where they were measured.", {"transverse"},
-                 false) +
+                 false, models) +
          section(result, "Residuals", "residuals",
                  "Measured minus model; a shaded band is one standard deviation of the noise.",
-                 {"residual_strain", "residual_time"}, false) +
-         section(result, "More figures", "figures", "", {}, true);
+                 {"residual_strain", "residual_time"}, false, models) +
+         section(result, "More figures", "figures", "", {}, true, models);
 }
 
 }  // namespace tenter::report

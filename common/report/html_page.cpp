@@ -81,6 +81,13 @@ svg path { fill: none; }
 svg .grid { stroke: var(--rule); stroke-width: 1; }
 svg .axis { stroke: var(--soft); stroke-width: 1; }
 svg .band { fill: var(--band); }
+svg .ribbon path, svg.ribbon path { fill: var(--extended); fill-opacity: .16; } svg .unseen { fill: var(--soft); fill-opacity: .09; }
+svg.mesh { display: block; width: 100%; height: auto; }
+.mesh .face { stroke: var(--card); stroke-width: .35; stroke-opacity: .5; } .mesh .bar { stroke: none; }
+.mesh .arrow { stroke: var(--ink); stroke-width: .9; stroke-opacity: .8; }
+.s0 { fill: #2c3a6b; } .s1 { fill: #2f5f8f; } .s2 { fill: #2b8296; } .s3 { fill: #35a08a; } .s4 { fill: #6dbb6f; }
+.s5 { fill: #aacb5a; } .s6 { fill: #e2c94a; } .s7 { fill: #eba13f; } .s8 { fill: #dd6a3a; } .s9 { fill: #b8322f; }
+.unmeasured { fill: var(--fill); }
 svg .cursor { stroke: var(--soft); stroke-width: .7; stroke-dasharray: 2 3; pointer-events: none; }
 .dot { stroke-width: 4.2; stroke-linecap: round; }
 .hole { stroke: var(--card); stroke-width: 2.2; stroke-linecap: round; }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "common/report/html_parts.h"
 #include "common/report/html_text.h"
 #include "common/report/summary.h"
 #include "common/report/words.h"
@@ -11,12 +12,6 @@
 namespace tenter::report {
 
 namespace {
-
-constexpr const char* kArrow = " \u2192 ";
-
-std::string badge(const std::string& css, const std::string& words) {
-  return "<span class=\"badge " + css + "\">" + escape_html(words) + "</span>";
-}
 
 std::string verdict_badge(const std::string& verdict) {
   std::string css = "plain";
@@ -28,50 +23,6 @@ std::string verdict_badge(const std::string& verdict) {
   std::string words = verdict;
   std::replace(words.begin(), words.end(), '_', ' ');
   return badge(css, words);
-}
-
-/// A bar from 0 to `value` of `full`, with a whisker for an interval and a dashed line at `limit`.
-std::string meter(std::optional<double> value, double full, const char* css,
-                  std::optional<double> lo = {}, std::optional<double> hi = {},
-                  std::optional<double> limit = {}) {
-  if (!value || !(full > 0.0)) return "";
-  constexpr double kWidth = 150.0;
-  const auto at = [full](double v) { return kWidth * std::clamp(v / full, 0.0, 1.0); };
-  char shapes[400];
-  std::snprintf(shapes, sizeof shapes,
-                "<rect class=\"track\" width=\"%g\" height=\"9\" rx=\"2\"/><rect class=\"%s\" "
-                "width=\"%.1f\" height=\"9\" rx=\"2\"/>",
-                kWidth, css, at(*value));
-  std::string svg = shapes;
-  if (lo && hi) {
-    std::snprintf(shapes, sizeof shapes,
-                  "<path class=\"whisker\" d=\"M%.1f 4.5H%.1fM%.1f 1.5v6M%.1f 1.5v6\"/>", at(*lo),
-                  at(*hi), at(*lo), at(*hi));
-    svg += shapes;
-  }
-  if (limit) {
-    std::snprintf(shapes, sizeof shapes, "<path class=\"limit\" d=\"M%.1f 0v9\"/>", at(*limit));
-    svg += shapes;
-  }
-  return "<svg class=\"meter\" width=\"150\" height=\"9\" viewBox=\"0 0 150 9\" "
-         "aria-hidden=\"true\">" +
-         svg + "</svg>";
-}
-
-std::string cell(const std::string& html) {
-  return "<td>" + html + "</td>";
-}
-std::string number_cell(const std::string& html) {
-  return "<td class=\"n\">" + html + "</td>";
-}
-
-std::string panel(const std::string& anchor, const std::string& title, const std::string& note,
-                  const std::string& head, const std::string& rows) {
-  if (rows.empty()) return "";
-  return "<section id=\"" + anchor + "\">\n<h2>" + title + "</h2>\n" +
-         (note.empty() ? "" : "<p class=\"soft\">" + note + "</p>\n") +
-         "<div class=\"panel\"><table>\n<thead><tr>" + head + "</tr></thead>\n<tbody>\n" + rows +
-         "</tbody>\n</table></div>\n</section>\n";
 }
 
 std::string before_after(const Json& object, const char* before, const char* after) {
@@ -113,11 +64,6 @@ std::string definitions(const Json& object) {
   for (const auto& [key, value] : object.items())
     html += "<dt>" + escape_html(effect_words(key)) + "</dt><dd>" + plain(value) + "</dd>";
   return html + "</dl>";
-}
-
-std::string card(const std::string& name, const std::string& value, const std::string& note) {
-  return "<div class=\"card\"><div class=\"name\">" + name + "</div><div class=\"value\">" + value +
-         "</div><div class=\"note\">" + note + "</div></div>\n";
 }
 
 std::string change_card(const Json& result, const std::string& name, const char* before,

@@ -41,7 +41,15 @@ constexpr RealColumn kReals[] = {
     {"predicted_extended", nullptr, &ResidualTable::predicted_extended},
     {"sigma", nullptr, &ResidualTable::sigma},
     {"weight", "1", &ResidualTable::weight}};
-constexpr const char* kTime = "time_s";
+
+/// Columns that a table may lack.
+struct OptionalColumn {
+  const char* name;
+  const char* unit;
+  std::vector<double> ResidualTable::*values;
+};
+constexpr OptionalColumn kOptional[] = {{"time_s", "s", &ResidualTable::time_s},
+                                        {"displacement_m", "m", &ResidualTable::displacement_m}};
 
 std::string table_group(std::size_t i) {
   std::array<char, 40> name{};
@@ -55,14 +63,18 @@ std::string odd_column(const ResidualTable& table) {
     if ((table.*column.values).size() != table.size()) return column.name;
   for (const RealColumn& column : kReals)
     if ((table.*column.values).size() != table.size()) return column.name;
-  if (!table.time_s.empty() && table.time_s.size() != table.size()) return kTime;
+  for (const OptionalColumn& column : kOptional)
+    if (const auto& values = table.*column.values; !values.empty() && values.size() != table.size())
+      return column.name;
   return "";
 }
 
 void write_table(h5::H5Writer& file, const std::string& group, const ResidualTable& table) {
   file.group(group, "NXdata");
   file.attribute(group, "signal", std::string("measured"));
-  file.attribute(group, "axes", std::vector<std::string>{"strain_x"});
+  file.attribute(
+      group, "axes",
+      std::vector<std::string>{table.displacement_m.empty() ? "strain_x" : "displacement_m"});
   file.attribute(group, "capture_id", table.capture_id);
   file.attribute(group, "capture_title", table.capture_title);
   file.attribute(group, "channel", table.channel);
@@ -71,7 +83,9 @@ void write_table(h5::H5Writer& file, const std::string& group, const ResidualTab
   for (const RealColumn& column : kReals)
     file.array(group + "/" + column.name, table.*column.values,
                column.unit ? column.unit : table.unit);
-  if (!table.time_s.empty()) file.array(group + "/" + kTime, table.time_s, "s");
+  for (const OptionalColumn& column : kOptional)
+    if (const auto& values = table.*column.values; !values.empty())
+      file.array(group + "/" + column.name, values, column.unit);
 }
 
 /// The columns of one table; its four texts are there already.
@@ -87,12 +101,13 @@ Expected<void> read_columns(const h5::H5Reader& file, const std::string& group,
     if (!values) return tl::unexpected(values.error());
     table.*column.values = std::move(*values);
   }
-  const Expected<bool> timed = file.has(group + "/" + kTime);
-  if (!timed) return tl::unexpected(timed.error());
-  if (*timed) {
-    Expected<std::vector<double>> values = file.doubles(group + "/" + kTime);
+  for (const OptionalColumn& column : kOptional) {
+    const Expected<bool> is_there = file.has(group + "/" + column.name);
+    if (!is_there) return tl::unexpected(is_there.error());
+    if (!*is_there) continue;
+    Expected<std::vector<double>> values = file.doubles(group + "/" + column.name);
     if (!values) return tl::unexpected(values.error());
-    table.time_s = std::move(*values);
+    table.*column.values = std::move(*values);
   }
   const std::string odd = odd_column(table);
   if (!odd.empty()) return file.complaint(group + "/" + odd, "has another length than frame");
@@ -103,9 +118,7 @@ Expected<void> read_columns(const h5::H5Reader& file, const std::string& group,
 
 bool wanted(const ResidualTable& table, const ResidualFilter& filter) {
   if (!filter.channel.empty() && table.channel != filter.channel) return false;
-  if (filter.capture.empty() || filter.capture == table.capture_title) return true;
-  return table.capture_id == filter.capture ||
-         (filter.capture.size() >= kShortestId && table.capture_id.starts_with(filter.capture));
+  return names_capture(filter.capture, table.capture_id, table.capture_title);
 }
 
 template <class T>
@@ -124,25 +137,8 @@ void keep_rows(ResidualTable& table, const ResidualFilter& filter) {
       rows.push_back(i);
   if (rows.size() == table.size()) return;
   for (const RealColumn& column : kReals) keep_rows(table.*column.values, rows);
-  keep_rows(table.time_s, rows);
+  for (const OptionalColumn& column : kOptional) keep_rows(table.*column.values, rows);
   for (const IntColumn& column : kInts) keep_rows(table.*column.values, rows);
-}
-
-Expected<void> check_identity(const h5::H5Reader& file) {
-  const Expected<bool> named = file.has_attribute("/", "schema");
-  if (!named) return tl::unexpected(named.error());
-  if (!*named)
-    return file.complaint("/", "has no attribute \"schema\"; it is not a residual file of Tenter");
-  const Expected<std::string> schema = file.text_attribute("/", "schema");
-  if (!schema) return tl::unexpected(schema.error());
-  if (*schema != kSchema)
-    return file.complaint("/", "has schema \"" + *schema + "\", not \"" + kSchema + "\"");
-  const Expected<std::int64_t> version = file.integer_attribute("/", "version");
-  if (!version) return tl::unexpected(version.error());
-  if (*version != kVersion)
-    return file.complaint(
-        "/", "has version " + std::to_string(*version) + ", not " + std::to_string(kVersion));
-  return {};
 }
 
 Expected<ResidualTable> read_head(const h5::H5Reader& file, const std::string& group) {
@@ -160,12 +156,35 @@ Expected<ResidualTable> read_head(const h5::H5Reader& file, const std::string& g
 
 }  // namespace
 
+Expected<void> check_residual_file(const h5::H5Reader& file) {
+  const Expected<bool> named = file.has_attribute("/", "schema");
+  if (!named) return tl::unexpected(named.error());
+  if (!*named)
+    return file.complaint("/", "has no attribute \"schema\"; it is not a residual file of Tenter");
+  const Expected<std::string> schema = file.text_attribute("/", "schema");
+  if (!schema) return tl::unexpected(schema.error());
+  if (*schema != kSchema)
+    return file.complaint("/", "has schema \"" + *schema + "\", not \"" + kSchema + "\"");
+  const Expected<std::int64_t> version = file.integer_attribute("/", "version");
+  if (!version) return tl::unexpected(version.error());
+  if (*version != kVersion)
+    return file.complaint(
+        "/", "has version " + std::to_string(*version) + ", not " + std::to_string(kVersion));
+  return {};
+}
+
+bool names_capture(const std::string& name, const std::string& id, const std::string& title) {
+  return name.empty() || name == title || id == name ||
+         (name.size() >= kShortestId && id.starts_with(name));
+}
+
 std::string branch_word(int branch) {
   constexpr std::array<const char*, 4> kWords = {"load", "unload", "hold", "other"};
   return branch >= 0 && branch < 4 ? kWords[static_cast<std::size_t>(branch)] : "other";
 }
 
-Expected<void> write_residuals(const std::vector<ResidualTable>& tables, const std::string& path) {
+Expected<void> write_residuals(const std::vector<ResidualTable>& tables, const std::string& path,
+                               const std::vector<VertexResiduals>& vertices) {
   h5::H5Writer file(path);
   file.group("/", "NXroot");
   file.attribute("/", "schema", std::string(kSchema));
@@ -173,6 +192,8 @@ Expected<void> write_residuals(const std::vector<ResidualTable>& tables, const s
   file.attribute("/", "default", std::string("entry"));
   file.group("/entry", "NXentry");
   if (!tables.empty()) file.attribute("/entry", "default", table_group(0).substr(7));
+  if (auto done = write_vertex_blocks(file, vertices); !done)
+    return fail(done.error().kind, path + ": " + done.error().message);
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const std::string odd = odd_column(tables[i]);
     if (!odd.empty())
@@ -187,7 +208,7 @@ Expected<std::vector<ResidualTable>> read_residuals(const std::string& path,
                                                     const ResidualFilter& filter) {
   const Expected<h5::H5Reader> file = h5::H5Reader::open(path);
   if (!file) return tl::unexpected(file.error());
-  if (auto ok = check_identity(*file); !ok) return tl::unexpected(ok.error());
+  if (auto ok = check_residual_file(*file); !ok) return tl::unexpected(ok.error());
   const Expected<std::vector<std::string>> members = file->members("/entry");
   if (!members) return tl::unexpected(members.error());
   std::vector<ResidualTable> tables;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/report/summary.h"
 
+#include "common/report/sheet/sheet_report.h"
 #include "common/report/words.h"
 
 namespace tenter::report {
@@ -97,8 +98,9 @@ Expected<Json> parse_result(const std::string& result_json) {
     return bad_input(
         "the result is a simulated scene, which has no report: its frames are for ParaView "
         "(tenter simulate --scene ... -o DIR)");
-  if (text(result, "schema") != "tenter.result")
-    return bad_input("the document is not a result: its schema is not 'tenter.result'");
+  if (text(result, "schema") != "tenter.result" && text(result, "schema") != sheet::kSchema)
+    return bad_input(
+        "the document is not a result: its schema is not 'tenter.result' or 'tenter.sheet_fit'");
   if (number(result, "version") != 1.0)
     return bad_input("the result document has a version that this program does not read");
   return result;

@@ -151,6 +151,38 @@ std::string series_group(const PlotSeries& s, const Frame& frame) {
          "</title>" + shapes + "</g>\n";
 }
 
+std::string ribbon_group(const PlotRibbon& ribbon, const Frame& frame) {
+  const std::size_t count = std::min({ribbon.x.size(), ribbon.lo.size(), ribbon.hi.size()});
+  std::string there;
+  std::string back;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!std::isfinite(ribbon.x[i]) || !std::isfinite(ribbon.lo[i]) || !std::isfinite(ribbon.hi[i]))
+      continue;
+    const std::string px = coordinate(frame.px(ribbon.x[i])) + " ";
+    there += (there.empty() ? "M" : "L") + px + coordinate(frame.py(ribbon.hi[i]));
+    back = "L" + px + coordinate(frame.py(ribbon.lo[i])) + back;
+  }
+  if (there.empty()) return "";
+  return "<g class=\"series ribbon\"><title>" + escape_html(ribbon.name) + "</title><path d=\"" +
+         there + back + "Z\"/></g>\n";
+}
+
+/// What lies outside of the range of x that has data.
+std::string unseen_parts(const Plot& plot, const Frame& frame) {
+  if (!plot.seen) return "";
+  const double left = kLeft;
+  const double right = frame.width - kRight;
+  const double from = std::clamp(frame.px(plot.seen->first), left, right);
+  const double to = std::clamp(frame.px(plot.seen->second), left, right);
+  std::string svg;
+  for (const auto& [a, b] : {std::pair{left, from}, std::pair{to, right}})
+    if (b - a > 0.5)
+      svg += "<rect class=\"unseen\" x=\"" + coordinate(a) + "\" y=\"" + coordinate(kTop) +
+             "\" width=\"" + coordinate(b - a) + "\" height=\"" +
+             coordinate(frame.height - kBottom - kTop) + "\"/>";
+  return svg;
+}
+
 std::string axes(const Plot& plot, const Frame& frame) {
   std::string svg;
   const double bottom = frame.height - kBottom;
@@ -216,6 +248,10 @@ std::string render_svg(const Plot& plot) {
         frame.y.include(s.y[i]);
       }
   if (frame.x.empty()) return "";
+  for (const PlotRibbon& ribbon : plot.ribbons)
+    for (const std::vector<double>* side : {&ribbon.lo, &ribbon.hi})
+      for (const double y : *side)
+        if (std::isfinite(y)) frame.y.include(y);
   if (plot.zero_line) frame.y.include(0.0);
   if (plot.band) {
     frame.y.include(plot.band->first);
@@ -243,7 +279,9 @@ std::string render_svg(const Plot& plot) {
            "\" width=\"" + coordinate(frame.width - kRight - kLeft) + "\" height=\"" +
            coordinate(std::max(1.0, frame.py(plot.band->first) - top)) + "\"/>";
   }
+  svg += unseen_parts(plot, frame);
   svg += axes(plot, frame);
+  for (const PlotRibbon& ribbon : plot.ribbons) svg += ribbon_group(ribbon, frame);
   for (const PlotSeries& s : plot.series) svg += series_group(s, frame);
   return svg + "<path class=\"cursor\" d=\"\"/></svg>\n";
 }

@@ -28,6 +28,12 @@ struct PlotSeries {
   std::vector<double> y;
 };
 
+/// Between two curves over x: an interval that changes along the axis. Finite, same lengths.
+struct PlotRibbon {
+  std::string name;
+  std::vector<double> x, lo, hi;
+};
+
 struct Plot {
   std::string label;  ///< what a screen reader says
   std::string x_label;
@@ -35,6 +41,8 @@ struct Plot {
   std::vector<PlotSeries> series;                 ///< drawn in this order
   bool zero_line = false;                         ///< y = 0 always in sight and drawn
   std::optional<std::pair<double, double>> band;  ///< shaded range of y, e.g. one sigma of noise
+  std::vector<PlotRibbon> ribbons;                ///< drawn below the series
+  std::optional<std::pair<double, double>> seen;  ///< range of x with data; the rest is hatched out
   int width = 560;
   int height = 340;
 };

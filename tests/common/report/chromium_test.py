@@ -107,10 +107,17 @@ class Browser:
 
 
 FIGURES = """
-return [...document.querySelectorAll("figure")].map(f => {
+return [...document.querySelectorAll("figure:not(.sheet)")].map(f => {
   const box = f.querySelector("svg.plot").getBoundingClientRect();
   const drawn = [...f.querySelectorAll(".series path")].filter(p => p.getBoundingClientRect().width > 0);
   return {width: box.width, height: box.height, paths: drawn.length};
+});"""
+
+MESHES = """
+return [...document.querySelectorAll("figure svg.mesh")].map(svg => {
+  const faces = [...svg.querySelectorAll(".face")].map(f => getComputedStyle(f).fill);
+  return {width: svg.getBoundingClientRect().width, faces: faces.length, colours: new Set(faces).size,
+          arrows: svg.querySelectorAll(".arrow").length};
 });"""
 
 TOGGLE = """
@@ -133,7 +140,7 @@ def check(condition, what):
         raise SystemExit(f"FAILED: {what}")
 
 
-def check_page(browser, page):
+def check_page(browser, page, expected=12):
     browser.call("POST", browser.session + "/url", {"url": "about:blank"})
     browser.log("performance")  # what the browser's own start page loaded
     browser.log("browser")
@@ -143,7 +150,7 @@ def check_page(browser, page):
     urls = browser.requested_urls()
     check(urls == [page.resolve().as_uri()], f"requests other than the page: {urls}")
     figures = browser.run(FIGURES)
-    check(len(figures) == 12, f"{len(figures)} figures, expected 12")
+    check(len(figures) == expected, f"{len(figures)} figures, expected {expected}")
     for figure in figures:
         check(figure["width"] > 300 and figure["height"] > 150 and figure["paths"] >= 2,
               f"a figure is empty: {figure}")
@@ -151,12 +158,24 @@ def check_page(browser, page):
     check(overflow <= 0, f"the page is {overflow} px wider than the window")
 
 
+def check_sheet_page(browser, page):
+    check_page(browser, page, 4)
+    top = browser.run("return document.querySelector('#captures tbody tr:last-child').getBoundingClientRect().top")
+    check(top < 900, f"the table of captures does not fit the first screen: {top}")
+    meshes = browser.run(MESHES)
+    check(len(meshes) == 3, f"{len(meshes)} sheets, expected 3")
+    for mesh in meshes:
+        check(mesh["width"] > 300 and mesh["faces"] == 128 and mesh["colours"] >= 5 and mesh["arrows"] == 1,
+              f"a sheet is not drawn: {mesh}")
+
+
 def main():
     program, out = sys.argv[1], pathlib.Path(sys.argv[2])
     out.mkdir(parents=True, exist_ok=True)
-    page, hostile = out / "report.html", out / "report-hostile.html"
+    page, hostile, sheet = out / "report.html", out / "report-hostile.html", out / "sheet.html"
     subprocess.run([program, str(page)], check=True)
     subprocess.run([program, str(hostile), "--hostile"], check=True)
+    subprocess.run([program, str(sheet), "--sheet"], check=True)
 
     with Browser(dark=False) as browser:
         check_page(browser, page)
@@ -170,10 +189,12 @@ def main():
         browser.run("document.querySelector('svg.plot').dispatchEvent(new Event('pointerleave'))")
         browser.screenshot(out / "report.png")
         check_page(browser, hostile)
+        check_sheet_page(browser, sheet)
+        browser.screenshot(out / "sheet.png")
     with Browser(dark=True) as browser:
         check_page(browser, page)
         browser.screenshot(out / "report-dark.png")
-    for shot in ("report.png", "report-dark.png"):
+    for shot in ("report.png", "report-dark.png", "sheet.png"):
         check((out / shot).stat().st_size > 50_000, f"{shot} is nearly empty")
     print(f"report checked in Chromium; screenshots in {out}")
 

@@ -151,7 +151,7 @@ const std::vector<LawRow>& law_catalogue() {
       {"linear", 0, false, 0, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "constant stiffness: energy k/2 |eps|^2"},
       {"bilinear", 2, false, 0, false, false, {{"c", "N/m", kNone, kNone, 10.0, false, 2}}, "coupling of two strains: energy c eps_1 eps_2"},
       {"hermite_stiffness", 0, true, 1, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "stress k(eps) eps with k a Hermite spline through non-negative control points (thesis 3.3.2)"},
-      {"bspline_stiffness", 0, true, 4, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "stress k(eps) eps with k a cubic B-spline of non-negative coefficients"},
+      {"bspline_stiffness", 0, true, 1, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "stress k(eps) eps with k a B-spline of non-negative coefficients, cubic from four of them on"},
       {"convex_spline", 0, true, 2, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "tangent stiffness a non-negative B-spline and stress its integral: a convex energy"},
       {"constant_stress", 1, false, 0, false, false, {{"c", "N/m", kNone, kNone, 10.0, false, 1}}, "energy c eps: for strains that are energies already, such as invariants"},
       {"ogden", 0, false, 0, false, false, {{"mu", "N/m", kNone, kNone, 50.0}, {"alpha", "1", -32.0, 32.0, 2.0}}, "energy mu ((1 + eps)^alpha - 1)/alpha - mu ln(1 + eps) of each stretch (Ogden)"},

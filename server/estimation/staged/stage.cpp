@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/estimation/staged/stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "server/estimation/staged/resting_frames.h"
+#include "server/estimation/staged/splines/spline_refinement.h"
+#include "server/estimation/staged/splines/strain_histogram.h"
+
+namespace tenter::estimation {
+namespace {
+
+/// A model with the parameters that its fit ended with.
+struct Fitted {
+  model::Model model;
+  ParameterTies ties;
+  FitResult result;
+  std::vector<std::vector<mechanics::State>> states;
+};
+
+class Stage {
+ public:
+  Stage(const StageTask& task, const StageOptions& options) : task_(task), options_(options) {
+    record_.name = task.name;
+    for (const RoleSequence& s : task.sequences)
+      sequences_.push_back(observed(s, options.channels));
+  }
+
+  Expected<StageRecord> run(model::Model& model) {
+    if (task_.sequences.empty() || task_.terms.empty())
+      return skip(task_.terms.empty() ? "the model has no term for it" : "there is no sequence");
+    model::Model start = with_only_its_terms_free(model);
+    begin_with_one_point(start);
+    auto ties = tie_terms(start, task_.ties);
+    if (!ties) return tl::unexpected(ties.error());
+    if (auto ok = choose_start(start, *ties); !ok) return tl::unexpected(ok.error());
+    if (!record_.message.empty()) return record_;
+    auto fitted = fit_curves(start, *ties);
+    if (!fitted) return tl::unexpected(fitted.error());
+    if (!fitted->result.usable) return skip(fitted->result.message);
+    while (may_refine(*fitted)) {
+      auto finer = refined(*fitted);
+      if (!finer) return tl::unexpected(finer.error());
+      if (!accepts(*finer, *fitted)) break;
+      fitted = std::move(finer);
+    }
+    write_back(*fitted, model);
+    return record_;
+  }
+
+ private:
+  StageRecord skip(std::string why) {
+    record_.message = std::move(why);
+    return record_;
+  }
+
+  bool is_fitted(const model::Term& term) const {
+    return std::find(task_.terms.begin(), task_.terms.end(), term.id) != task_.terms.end();
+  }
+
+  model::Model with_only_its_terms_free(model::Model model) const {
+    for (model::Term& term : model.terms)
+      for (model::Parameter& p : term.law.parameters) p.fixed |= !is_fitted(term);
+    for (model::SensorCorrection& correction : model.corrections)
+      for (model::Parameter& p : correction.parameters) p.fixed = true;
+    return model;
+  }
+
+  bool is_refined(const model::Term& term) const {
+    return task_.refine && is_fitted(term) && is_spline(term.law);
+  }
+
+  /// Also curves of other stages that have no range yet: they are as good as constant.
+  void begin_with_one_point(model::Model& model) const {
+    for (model::Term& term : model.terms) {
+      const bool has_range = term.law.range_hi > term.law.range_lo;
+      if (is_refined(term) || (is_spline(term.law) && !has_range)) term.law = as_constant(term.law);
+    }
+  }
+
+  /// Of the values that the stage was given and the guess from forces, those of the lower cost.
+  Expected<void> choose_start(model::Model& start, ParameterTies& ties) {
+    const Eigen::VectorXd given = ties.values();
+    std::optional<double> cost = cost_at(start, ties, given);
+    if (auto ok = leave_out_restless(start, ties, given, cost); !ok) return ok;
+    if (!record_.message.empty()) return {};
+    record_.cost_at_start = record_.cost_before = *cost;
+    if (!options_.first_guess) return {};
+    std::vector<GapSequence> measured;
+    for (std::size_t s = 0; s < sequences_.size(); ++s)
+      measured.push_back({&whole(s), rows_of(task_.sequences[s].role, options_.channels)});
+    const auto gap = equation_gap(start, ties, measured, options_.gap);
+    if (!gap) {
+      record_.guess_message = gap.error().message;
+      return {};
+    }
+    const auto guessed = cost_at(start, ties, gap->q);
+    if (!guessed || !(*guessed < *cost)) {
+      record_.guess_message = guessed ? "its cost is higher" : "frames have no rest there";
+      return {};
+    }
+    record_.guessed = true;
+    record_.cost_before = *guessed;
+    for (std::size_t k = 0; k < ties.free.size(); ++k)
+      ties.free[k].value = gap->q[static_cast<Eigen::Index>(k)];
+    return {};
+  }
+
+  /// With the points of all sequences, also of those that only forces of are compared, but without
+  /// the frames that were left out.
+  const Sequence& whole(std::size_t s) {
+    if (whole_.empty()) {
+      whole_ = sequences_;
+      for (std::size_t k = 0; k < whole_.size(); ++k) {
+        const Sequence& given = task_.sequences[k].sequence;
+        whole_[k].points = given.points;
+        for (std::size_t f = 0; f < whole_[k].frames.size(); ++f)
+          whole_[k].frames[f].points_m = given.frames[f].points_m;
+      }
+    }
+    return whole_[s];
+  }
+
+  std::optional<double> cost_at(const model::Model& model, const ParameterTies& ties,
+                                const Eigen::VectorXd& q) {
+    auto evaluator = SequenceEvaluator::make(model, sequences_, evaluator_options());
+    if (!evaluator) return std::nullopt;
+    Eigen::VectorXd residuals;
+    if (evaluator->evaluate(ties.all(q), residuals, nullptr) != mechanics::PathStatus::ok)
+      return std::nullopt;
+    record_.rows = evaluator->row_count();
+    return residuals.squaredNorm();
+  }
+
+  SequenceOptions evaluator_options() const { return {options_.threads, options_.tolerance_N}; }
+
+  Expected<void> leave_out_restless(const model::Model& model, const ParameterTies& ties,
+                                    const Eigen::VectorXd& q, std::optional<double>& cost) {
+    if (cost) return {};
+    // an input that does not fit is told from frames without rest
+    if (auto made = SequenceEvaluator::make(model, sequences_, evaluator_options()); !made)
+      return tl::unexpected(made.error());
+    for (std::size_t s = 0; s < sequences_.size(); ++s) {
+      auto rest = resting_frames(model, sequences_[s], ties.all(q), options_.tolerance_N);
+      if (!rest) return tl::unexpected(rest.error());
+      whole(s);
+      for (const RestlessFrame& frame : rest->restless)
+        record_.dropped.push_back({sequences_[s].name, frame.frame + 1, frame.reason});
+      keep_frames(sequences_[s], rest->resting);
+      keep_frames(whole_[s], rest->resting);
+    }
+    for (const Sequence& sequence : sequences_) {
+      if (!sequence.frames.empty()) continue;
+      record_.message = "no frame of \"" + sequence.name + "\" has a rest at the start values";
+      return {};
+    }
+    cost = cost_at(model, ties, q);
+    if (!cost) record_.message = "the model has no equilibrium at the start values";
+    return {};
+  }
+
+  Expected<Fitted> fit_curves(const model::Model& model, const ParameterTies& ties) {
+    auto evaluator = SequenceEvaluator::make(model, sequences_, evaluator_options());
+    if (!evaluator) return tl::unexpected(evaluator.error());
+    FitOptions options;
+    options.max_iterations = options_.max_iterations;
+    options.tolerance = options_.tolerance;
+    const int points = points_of(model);
+    if (options_.on_progress)
+      options.on_iteration = [&](int iteration, double cost) {
+        return options_.on_progress({task_.name, points, iteration, cost});
+      };
+    Fitted fitted{model, ties, fit_tied(*evaluator, ties, options), evaluator->states()};
+    record_.iterations += fitted.result.iterations;
+    record_.stopped |= fitted.result.stopped;
+    if (!fitted.result.usable) return fitted;
+    record_.refinements.push_back({points, fitted.result.chi2, true});
+    store(fitted.result, fitted.model);
+    // the next fit starts each frame where this one ended
+    for (std::size_t s = 0; s < sequences_.size(); ++s)
+      for (std::size_t f = 0; f < sequences_[s].frames.size(); ++f)
+        sequences_[s].frames[f].start = fitted.states[s][f];
+    return fitted;
+  }
+
+  int points_of(const model::Model& model) const {
+    std::size_t most = 0;
+    for (const model::Term& term : model.terms)
+      if (is_fitted(term)) most = std::max(most, term.law.parameters.size());
+    return static_cast<int>(most);
+  }
+
+  bool may_refine(const Fitted& fitted) const {
+    if (!task_.refine || record_.stopped || points_of(fitted.model) >= options_.most_points)
+      return false;
+    return std::any_of(fitted.model.terms.begin(), fitted.model.terms.end(),
+                       [&](const model::Term& term) { return is_refined(term); });
+  }
+
+  Expected<Fitted> refined(const Fitted& fitted) {
+    model::Model finer = fitted.model;
+    if (auto ok = choose_ranges(fitted, finer); !ok) return tl::unexpected(ok.error());
+    for (model::Term& term : finer.terms) {
+      if (!is_refined(term)) continue;
+      auto law = with_points(term.law, static_cast<int>(term.law.parameters.size()) + 1);
+      if (!law) return tl::unexpected(law.error());
+      term.law = std::move(*law);
+    }
+    auto ties = tie_terms(finer, task_.ties);
+    if (!ties) return tl::unexpected(ties.error());
+    return fit_curves(finer, *ties);
+  }
+
+  /// The strains of the first fit's frames, terms of a group together; a range that the document
+  /// gives stays.
+  Expected<void> choose_ranges(const Fitted& fitted, model::Model& model) {
+    if (has_ranges_) return {};
+    has_ranges_ = true;
+    std::vector<StrainHistogram> histograms(model.terms.size());
+    for (std::size_t s = 0; s < sequences_.size(); ++s) {
+      const auto bound = mechanics::MeshModel::make(fitted.model, sequences_[s].cloth);
+      if (!bound) return tl::unexpected(bound.error());
+      append(histograms, strain_histograms(*bound, fitted.states[s]));
+    }
+    for (std::size_t t = 0; t < model.terms.size(); ++t) {
+      model::Law& law = model.terms[t].law;
+      if (!is_refined(model.terms[t]) || law.range_hi > law.range_lo) continue;
+      StrainHistogram all = histograms[t];
+      for (const auto& group : task_.ties) {
+        if (std::find(group.begin(), group.end(), model.terms[t].id) == group.end()) continue;
+        for (std::size_t other = 0; other < model.terms.size(); ++other)
+          if (other != t &&
+              std::find(group.begin(), group.end(), model.terms[other].id) != group.end())
+            all.merge(histograms[other]);
+      }
+      std::tie(law.range_lo, law.range_hi) = all.range(options_.outliers);
+      if (!(law.range_hi > law.range_lo)) law.range_hi = law.range_lo + 1e-6;
+      ranges_.push_back({model.terms[t].id, law.range_lo, law.range_hi});
+    }
+    return {};
+  }
+
+  bool accepts(const Fitted& finer, const Fitted& before) {
+    const bool gains = finer.result.usable &&
+                       finer.result.chi2 <= (1.0 - options_.least_gain) * before.result.chi2;
+    if (!gains && finer.result.usable) record_.refinements.back().kept = false;
+    return gains;
+  }
+
+  void write_back(const Fitted& fitted, model::Model& model) {
+    record_.done = true;
+    record_.cost_after = fitted.result.chi2;
+    record_.message = record_.stopped ? "stopped" : fitted.result.message;
+    const std::vector<std::string> names = parameter_names(fitted.model);
+    std::size_t first = 0;
+    for (std::size_t t = 0; t < model.terms.size(); ++t) {
+      const model::Term& from = fitted.model.terms[t];
+      const std::size_t count = from.law.parameters.size();
+      if (is_fitted(from)) {
+        const bool was_fixed =
+            !model.terms[t].law.parameters.empty() && model.terms[t].law.parameters.front().fixed;
+        model.terms[t].law = from.law;
+        for (model::Parameter& p : model.terms[t].law.parameters) p.fixed = was_fixed;
+        for (std::size_t k = 0; k < count; ++k)
+          if (fitted.result.states[first + k] != ParameterState::free)
+            record_.not_free.push_back({names[first + k], fitted.result.states[first + k]});
+      }
+      first += count;
+    }
+    for (const model::StrainRange& range : ranges_) {
+      const auto is_same = [&](const model::StrainRange& r) { return r.term == range.term; };
+      std::erase_if(model.strain_ranges, is_same);
+      model.strain_ranges.push_back(range);
+    }
+  }
+
+  const StageTask& task_;
+  const StageOptions& options_;
+  StageRecord record_;
+  std::vector<Sequence> sequences_;  ///< with the channels that count
+  std::vector<Sequence> whole_;
+  std::vector<model::StrainRange> ranges_;
+  bool has_ranges_ = false;
+};
+
+}  // namespace
+
+Expected<StageRecord> fit_stage(model::Model& model, const StageTask& task,
+                                const StageOptions& options) {
+  return Stage(task, options).run(model);
+}
+
+}  // namespace tenter::estimation

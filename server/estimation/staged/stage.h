@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One stage of a staged fit (thesis 3.4.2): some curves fitted to some sequences, all else held.
+//
+//   1. stiffness splines begin with one control point, over the strains that the measured sequences
+//      reach without outliers
+//   2. a first guess from the equation gap, where its cost is the lower one
+//   3. frames that have no rest are left out, and named
+//   4. output-error fit; a point more; until (3.6) falls by less than 1 % or there are enough
+//
+//   auto record = fit_stage(model, {"stretch_u", {"weft"}, {}, sequences}, options);
+//
+// Pure: the callback is called from the calling thread; the same bytes for any number of threads.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "server/estimation/sequences/sequence_evaluator.h"
+#include "server/estimation/staged/roles.h"
+
+namespace tenter::estimation {
+
+struct StageProgress {
+  std::string stage;
+  int control_points = 0;
+  int iteration = 0;
+  double cost = 0.0;
+};
+
+struct StageOptions {
+  int threads = 1;
+  Channels channels = Channels::thesis;
+  int most_points = 5;
+  double least_gain = 0.01;  ///< of (3.6), for one control point more
+  double outliers = 0.005;   ///< share of the area at each end of the strains
+  bool first_guess = true;   ///< by the equation gap
+  GapOptions gap;
+  int max_iterations = 30;                                ///< of each fit
+  double tolerance = 1e-4;                                ///< relative fall of the cost
+  double tolerance_N = 1e-7;                              ///< of the net force of a frame at rest
+  std::function<bool(const StageProgress&)> on_progress;  ///< returns false to stop
+};
+
+struct StageTask {
+  std::string name;
+  std::vector<std::string> terms;              ///< ids of those that are fitted
+  std::vector<std::vector<std::string>> ties;  ///< groups with one curve each
+  std::vector<RoleSequence> sequences;
+  bool refine = true;  ///< splines from one control point on; else as they are
+};
+
+/// What a stage did; nothing is left out of it.
+struct StageRecord {
+  std::string name;
+  std::string message;  ///< how it ended; why it was skipped
+  bool done = false;    ///< its values are in the model
+  bool stopped = false;
+  bool guessed = false;        ///< the equation gap's guess was the better start
+  std::string guess_message;   ///< why there was none
+  double cost_at_start = 0.0;  ///< with the values that the stage was given
+  double cost_before = 0.0;    ///< where the first fit started
+  double cost_after = 0.0;
+  int rows = 0;
+  int iterations = 0;
+  struct Refinement {
+    int control_points = 0;
+    double cost = 0.0;
+    bool kept = false;
+  };
+  std::vector<Refinement> refinements;
+  struct Dropped {
+    std::string sequence;
+    int frame = 0;  ///< from 1
+    std::string reason;
+  };
+  std::vector<Dropped> dropped;
+  struct Named {
+    std::string parameter;  ///< "term.parameter"
+    ParameterState state;
+  };
+  std::vector<Named> not_free;  ///< fitted, but at a bound, flat or without gradient
+};
+
+/// Writes values, errors, control points and ranges into `model`. bad_input as tie_terms() and
+/// SequenceEvaluator::make(); a stage that could not be done is no error but a record that says so,
+/// and leaves the model as it was.
+Expected<StageRecord> fit_stage(model::Model& model, const StageTask& task,
+                                const StageOptions& options);
+
+}  // namespace tenter::estimation

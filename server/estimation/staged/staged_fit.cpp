@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/estimation/staged/staged_fit.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+namespace tenter::estimation {
+namespace {
+
+using Groups = std::vector<std::vector<std::string>>;
+using Wave = std::vector<StageTask>;
+
+bool share_a_group(const StageTask& a, const StageTask& b, const Groups& groups) {
+  const auto holds = [](const std::vector<std::string>& group, const StageTask& task) {
+    return std::any_of(task.terms.begin(), task.terms.end(), [&](const std::string& id) {
+      return std::find(group.begin(), group.end(), id) != group.end();
+    });
+  };
+  return std::any_of(groups.begin(), groups.end(), [&](const std::vector<std::string>& group) {
+    return holds(group, a) && holds(group, b);
+  });
+}
+
+/// Stages of a wave that share a curve become one.
+Wave merged(Wave wave, const Groups& groups) {
+  Wave result;
+  for (StageTask& task : wave) {
+    const auto same = std::find_if(result.begin(), result.end(), [&](const StageTask& other) {
+      return share_a_group(task, other, groups);
+    });
+    if (same == result.end()) {
+      result.push_back(std::move(task));
+      continue;
+    }
+    same->name += "+" + task.name;
+    same->terms.insert(same->terms.end(), task.terms.begin(), task.terms.end());
+    for (RoleSequence& s : task.sequences) same->sequences.push_back(std::move(s));
+  }
+  return result;
+}
+
+class StagedFit {
+ public:
+  StagedFit(model::Model model, const StagedOptions& options) : options_(options) {
+    result_.model = std::move(model);
+  }
+
+  Expected<StagedResult> run(const std::vector<Wave>& waves) {
+    for (const Wave& wave : waves) {
+      if (auto ok = take(wave); !ok) return tl::unexpected(ok.error());
+      if (result_.stopped) break;
+    }
+    return std::move(result_);
+  }
+
+ private:
+  /// Every stage of a wave starts from the same model; then each puts its own terms into it.
+  Expected<void> take(const Wave& wave) {
+    const auto count = wave.size();
+    const int at_once = std::max(1, std::min(options_.stage.threads, static_cast<int>(count)));
+    StageOptions options = options_.stage;
+    options.threads = std::max(1, options_.stage.threads / at_once);
+    options.on_progress = [&](const StageProgress& progress) { return report(progress); };
+    std::vector<model::Model> models(count, result_.model);
+    std::vector<std::optional<Expected<StageRecord>>> records(count);
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+      for (std::size_t k = next++; k < count; k = next++)
+        records[k].emplace(fit_stage(models[k], wave[k], options));
+    };
+    std::vector<std::thread> others;
+    for (int t = 1; t < at_once; ++t) others.emplace_back(work);
+    work();
+    for (std::thread& other : others) other.join();
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!*records[k]) return tl::unexpected(records[k]->error());
+      StageRecord& record = **records[k];
+      result_.stopped |= record.stopped;
+      if (record.done) adopt(models[k], wave[k]);
+      result_.stages.push_back(std::move(record));
+    }
+    return {};
+  }
+
+  void adopt(const model::Model& from, const StageTask& task) {
+    for (std::size_t t = 0; t < from.terms.size(); ++t) {
+      const std::string& id = from.terms[t].id;
+      if (std::find(task.terms.begin(), task.terms.end(), id) == task.terms.end()) continue;
+      result_.model.terms[t] = from.terms[t];
+      const auto is_of_term = [&](const model::StrainRange& range) { return range.term == id; };
+      std::erase_if(result_.model.strain_ranges, is_of_term);
+      for (const model::StrainRange& range : from.strain_ranges)
+        if (is_of_term(range)) result_.model.strain_ranges.push_back(range);
+    }
+  }
+
+  bool report(const StageProgress& progress) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (is_stopping_) return false;
+    if (options_.stage.on_progress && !options_.stage.on_progress(progress)) is_stopping_ = true;
+    return !is_stopping_;
+  }
+
+  const StagedOptions& options_;
+  StagedResult result_;
+  std::mutex mutex_;
+  bool is_stopping_ = false;
+};
+
+}  // namespace
+
+std::vector<Wave> plan_stages(const model::Model& model, const std::vector<RoleSequence>& measured,
+                              const StagedOptions& options) {
+  const auto stage = [&](const char* name, Component component, std::vector<Role> roles) {
+    StageTask task;
+    task.name = name;
+    task.terms = terms_of(model, component);
+    task.ties = options.ties;
+    for (const Role role : roles)
+      for (const RoleSequence& s : measured)
+        if (s.role == role) task.sequences.push_back(s);
+    return task;
+  };
+  std::vector<Wave> waves = {
+      {stage("stretch_u", Component::stretch_u, {Role::stretch_u}),
+       stage("stretch_v", Component::stretch_v, {Role::stretch_v})},
+      {stage("shear", Component::shear, {Role::shear})},
+      {stage("bend_u", Component::bend_u, {Role::bend_u}),
+       stage("bend_v", Component::bend_v, {Role::bend_v})},
+      {stage("bend_diagonal", Component::bend_diagonal, {Role::bend_u, Role::bend_v})}};
+  for (Wave& wave : waves) wave = merged(std::move(wave), options.ties);
+  if (!options.coupled) return waves;
+  StageTask coupled;
+  coupled.name = "coupled";
+  coupled.ties = options.ties;
+  coupled.refine = false;
+  for (const model::Term& term : model.terms) coupled.terms.push_back(term.id);
+  for (const RoleSequence& s : measured)
+    if (s.role != Role::evaluation) coupled.sequences.push_back(s);
+  waves.push_back({std::move(coupled)});
+  return waves;
+}
+
+Expected<StagedResult> staged_fit(model::Model model, const std::vector<RoleSequence>& measured,
+                                  const StagedOptions& options) {
+  const bool has_data = std::any_of(measured.begin(), measured.end(), [](const RoleSequence& s) {
+    return s.role != Role::evaluation;
+  });
+  if (!has_data) return bad_input("there is no sequence to fit to");
+  const std::vector<Wave> waves = plan_stages(model, measured, options);
+  return StagedFit(std::move(model), options).run(waves);
+}
+
+}  // namespace tenter::estimation

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The incremental fit of a cloth model (thesis 3.4.2), a few parameters at a time, so that none of
+// them starts far from its place:
+//
+//   stretch_u | stretch_v      in parallel, all else as it is
+//   shear                      given stretch
+//   bend_u | bend_v            in parallel
+//   bend_diagonal              from both bending sequences
+//   coupled                    all curves and sequences together, from these values
+//
+//   std::vector<RoleSequence> measured = {{Role::stretch_u, ...}, {Role::stretch_v, ...}, ...};
+//   auto fit = staged_fit(model::preset("cloth_stvk_spline").value(), measured, {});
+//   for (const StageRecord& stage : fit->stages) ...       // what each did, and what it left out
+//
+// Groups of terms that share a curve (isotropic: weft and warp) are fitted together, to the
+// sequences of both. Terms that are none of the six components are fitted in the coupled stage
+// only. Sequences for evaluation are not looked at.
+//
+// Pure. Uses as many threads as it is given, with the same bytes for any number; on_progress is
+// called by one of them at a time.
+#pragma once
+
+#include "server/estimation/staged/stage.h"
+
+namespace tenter::estimation {
+
+struct StagedOptions {
+  StageOptions stage;  ///< its threads are those of the whole fit
+  bool coupled = true;
+  std::vector<std::vector<std::string>> ties;  ///< groups of terms that share a curve
+};
+
+struct StagedResult {
+  model::Model model;
+  std::vector<StageRecord> stages;  ///< in the order above
+  bool stopped = false;             ///< by on_progress; the model is that of the stages done
+};
+
+/// The stages of a model: waves of stages that may be fitted at the same time. `sequences` of each
+/// are filled.
+std::vector<std::vector<StageTask>> plan_stages(const model::Model& model,
+                                                const std::vector<RoleSequence>& measured,
+                                                const StagedOptions& options);
+
+/// bad_input as fit_stage(), and where there is nothing to fit to.
+Expected<StagedResult> staged_fit(model::Model model, const std::vector<RoleSequence>& measured,
+                                  const StagedOptions& options);
+
+}  // namespace tenter::estimation

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The incremental fit of thesis 3.4.2 on a small rig: hidden curves, where refinement stops, what
+// the records say, threads.
+#include "server/estimation/staged/staged_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/model/document.h"
+#include "common/model/presets.h"
+#include "server/mechanics/law.h"
+#include "tests/server/estimation/staged/small_rig.h"
+
+namespace tenter::estimation {
+namespace {
+
+double stress_of(const model::Term& term, double strain) {
+  const auto law = mechanics::make_law(term.law, 1).value();
+  std::vector<double> values;
+  for (const model::Parameter& p : term.law.parameters) values.push_back(p.value);
+  mechanics::LawOutput out{};
+  mechanics::LawInput in;
+  in.strain = &strain;
+  in.parameters = values.data();
+  law->evaluate(in, out);
+  return out.stress[0];
+}
+
+StagedOptions with_threads(int threads) {
+  StagedOptions options;
+  options.stage.threads = threads;
+  return options;
+}
+
+const StageRecord& stage_of(const StagedResult& result, const std::string& name) {
+  for (const StageRecord& stage : result.stages)
+    if (stage.name == name) return stage;
+  ADD_FAILURE() << "there is no stage " << name;
+  return result.stages.front();
+}
+
+TEST(StagedFit, FindsTheCurvesThatWereHidden) {
+  const model::Model truth = curved_cloth();
+  RigOptions rig;
+  rig.frames = 8;
+  rig.force_sigma_N = 3e-4;
+  const auto measured = measured_in_rig(truth, rig);
+  auto start = model::preset("cloth_stvk_spline").value();
+  const auto fit = staged_fit(start, measured, with_threads(2));
+  ASSERT_TRUE(fit) << fit.error().message;
+  ASSERT_EQ(fit->stages.size(), 7U);
+  for (const StageRecord& stage : fit->stages) {
+    EXPECT_TRUE(stage.done) << stage.name << ": " << stage.message;
+    EXPECT_TRUE(stage.dropped.empty()) << stage.name;
+    EXPECT_LE(stage.cost_after, stage.cost_before * (1.0 + 1e-9)) << stage.name;
+  }
+  EXPECT_GE(stage_of(*fit, "stretch_u").refinements.size(), 3U);
+  // the noise floor is reached in the end
+  const StageRecord& last = fit->stages.back();
+  EXPECT_NEAR(last.cost_after / last.rows, 1.0, 0.15);
+  // and the curves are the hidden ones where the data reached
+  for (const std::size_t t : {0U, 1U}) {
+    for (const double strain : {0.01, 0.03, 0.05}) {
+      const double hidden = stress_of(truth.terms[t], strain);
+      EXPECT_GT(hidden, 0.3);
+      EXPECT_NEAR(stress_of(fit->model.terms[t], strain), hidden, 0.02 * hidden) << t << strain;
+    }
+  }
+  const double shear = stress_of(truth.terms[2], 0.15);
+  EXPECT_NEAR(stress_of(fit->model.terms[2], 0.15), shear, 0.03 * shear);
+  for (const std::size_t t : {3U, 4U}) {
+    const double bending = stress_of(truth.terms[t], 10.0);
+    EXPECT_NEAR(stress_of(fit->model.terms[t], 10.0), bending, 0.05 * bending) << t;
+  }
+  EXPECT_TRUE(model::validate(fit->model));
+}
+
+TEST(StagedFit, StopsWhereAPointMoreBringsNothing) {
+  model::Model truth = model::preset("cloth_stvk").value();
+  const std::vector<double> hidden = {45.0, 80.0, 9.0, 2e-5, 6e-5, 3e-5};
+  for (std::size_t k = 0; k < hidden.size(); ++k) parameters_of(truth)[k]->value = hidden[k];
+  RigOptions rig;
+  rig.frames = 20;
+  const RoleSequence pulled = measured_in_rig(Role::stretch_u, truth, rig);
+  auto model = truth;
+  model.terms[0].law = model::preset("cloth_stvk_spline")->terms[0].law;
+  StageOptions options;
+  options.channels = Channels::all;  // many rows: one of few would gain 1 % by chance
+  const auto record = fit_stage(model, {"stretch_u", {"weft"}, {}, {pulled}}, options);
+  ASSERT_TRUE(record) << record.error().message;
+  ASSERT_TRUE(record->done) << record->message;
+  ASSERT_EQ(record->refinements.size(), 2U);  // one point, and two in vain
+  EXPECT_FALSE(record->refinements[1].kept);
+  ASSERT_EQ(model.terms[0].law.parameters.size(), 1U);
+  EXPECT_NEAR(model.terms[0].law.parameters[0].value, 45.0, 0.5);
+  EXPECT_TRUE(record->guessed);
+}
+
+TEST(StagedFit, TiedTermsShareOneCurveFittedToBothSequences) {
+  const model::Model truth = curved_cloth();
+  RigOptions rig;
+  const auto measured = measured_in_rig(truth, rig);
+  StagedOptions options = with_threads(1);
+  options.coupled = false;
+  options.ties = {{"weft", "warp"}, {"bend_weft", "bend_warp"}};
+  const auto fit = staged_fit(model::preset("cloth_stvk_spline").value(), measured, options);
+  ASSERT_TRUE(fit) << fit.error().message;
+  ASSERT_EQ(fit->stages.size(), 4U);
+  EXPECT_EQ(fit->stages[0].name, "stretch_u+stretch_v");
+  const model::Law& weft = fit->model.terms[0].law;
+  const model::Law& warp = fit->model.terms[1].law;
+  ASSERT_EQ(weft.parameters.size(), warp.parameters.size());
+  EXPECT_EQ(weft.range_hi, warp.range_hi);
+  for (std::size_t k = 0; k < weft.parameters.size(); ++k)
+    EXPECT_EQ(weft.parameters[k].value, warp.parameters[k].value);
+  // a compromise: misfit is far above the noise, and between the two truths
+  EXPECT_GT(fit->stages[0].cost_after, 10.0 * fit->stages[0].rows);
+  const double stress = stress_of(fit->model.terms[0], 0.01);
+  EXPECT_GT(stress, stress_of(truth.terms[0], 0.01));
+  EXPECT_LT(stress, stress_of(truth.terms[1], 0.01));
+}
+
+TEST(StagedFit, IsTheSameToTheByteForAnyNumberOfThreads) {
+  const model::Model truth = curved_cloth();
+  RigOptions rig;
+  rig.frames = 3;
+  const auto measured = measured_in_rig(truth, rig);
+  const auto start = model::preset("cloth_stvk_spline").value();
+  const auto one = staged_fit(start, measured, with_threads(1));
+  const auto two = staged_fit(start, measured, with_threads(2));
+  ASSERT_TRUE(one && two);
+  EXPECT_EQ(model::write_model(one->model), model::write_model(two->model));
+  for (std::size_t s = 0; s < one->stages.size(); ++s)
+    EXPECT_EQ(one->stages[s].cost_after, two->stages[s].cost_after);
+}
+
+TEST(StagedFit, SaysWhatItLeftOut) {
+  const model::Model truth = curved_cloth();
+  RigOptions rig;
+  rig.frames = 4;
+  auto measured = measured_in_rig(truth, rig);
+  measured.resize(1);  // stretch_u alone
+  // a clip that the rest of the sheet cannot follow: its nodes are on one spot
+  for (Eigen::Vector3d& place : measured[0].sequence.boundaries[0].clips[1].place_m)
+    place.setZero();
+  StagedOptions options = with_threads(1);
+  const auto fit = staged_fit(model::preset("cloth_stvk_spline").value(), measured, options);
+  ASSERT_TRUE(fit) << fit.error().message;
+  EXPECT_FALSE(fit->stages[0].done);
+  EXPECT_EQ(fit->stages[0].dropped.size(), 4U);
+  EXPECT_FALSE(fit->stages[0].message.empty());
+  EXPECT_EQ(stage_of(*fit, "shear").message, "there is no sequence");
+}
+
+TEST(StagedFit, StopsWhenAsked) {
+  const auto measured = measured_in_rig(curved_cloth(), {});
+  StagedOptions options = with_threads(1);
+  int calls = 0;
+  options.stage.on_progress = [&](const StageProgress& progress) {
+    EXPECT_GE(progress.control_points, 1);
+    return ++calls < 3;
+  };
+  const auto fit = staged_fit(model::preset("cloth_stvk_spline").value(), measured, options);
+  ASSERT_TRUE(fit) << fit.error().message;
+  EXPECT_TRUE(fit->stopped);
+  EXPECT_EQ(calls, 3);
+  EXPECT_LT(fit->stages.size(), 7U);
+}
+
+}  // namespace
+}  // namespace tenter::estimation

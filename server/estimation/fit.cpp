@@ -1,46 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/estimation/fit.h"
 
-#include <ceres/ceres.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/model/catalogue.h"
 #include "server/estimation/least_squares/covariance.h"
 #include "server/estimation/least_squares/gauss_newton.h"
 #include "server/estimation/least_squares/objective.h"
+#include "server/estimation/least_squares/trust_region.h"
 
 namespace tenter::estimation {
 namespace {
-
-/// The objective as one Ceres cost of one parameter block.
-class CeresCost final : public ceres::CostFunction {
- public:
-  explicit CeresCost(Objective& objective) : objective_(objective) {
-    set_num_residuals(objective.row_count());
-    mutable_parameter_block_sizes()->push_back(objective.parameter_count());
-  }
-
-  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    return objective_.evaluate(x[0], residuals, jacobians ? jacobians[0] : nullptr);
-  }
-
- private:
-  Objective& objective_;
-};
-
-class Watch final : public ceres::IterationCallback {
- public:
-  explicit Watch(const std::function<bool(int, double)>& report) : report_(report) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
-    return report_(s.iteration, 2.0 * s.cost) ? ceres::SOLVER_CONTINUE : ceres::SOLVER_ABORT;
-  }
-
- private:
-  const std::function<bool(int, double)>& report_;
-};
 
 /// A start strictly inside the bounds, so that no derivative is hidden by one.
 double inside(const model::Parameter& p) {
@@ -93,34 +66,12 @@ Bounds bounds_of(const std::vector<const model::Parameter*>& parameters,
 
 void by_trust_region(Objective& objective, const Bounds& bounds, const FitOptions& options,
                      Eigen::VectorXd& x, FitResult& result) {
-  CeresCost cost(objective);
-  ceres::Problem::Options ownership;
-  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem problem(ownership);
-  problem.AddResidualBlock(&cost, nullptr, x.data());
-  for (int i = 0; i < objective.parameter_count(); ++i) {
-    if (std::isfinite(bounds.lower[i]))
-      problem.SetParameterLowerBound(x.data(), i, bounds.lower[i]);
-    if (std::isfinite(bounds.upper[i]))
-      problem.SetParameterUpperBound(x.data(), i, bounds.upper[i]);
-  }
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::DENSE_QR;
-  solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = options.tolerance;
-  solver.parameter_tolerance = 1e-9;
-  // from the first radius it takes more than Ceres' five halvings to shorten a step
-  solver.max_num_consecutive_invalid_steps = 50;
-  solver.num_threads = 1;
-  solver.logging_type = ceres::SILENT;
-  Watch watch(options.on_iteration);
-  if (options.on_iteration) solver.callbacks.push_back(&watch);
-  ceres::Solver::Summary summary;
-  ceres::Solve(solver, &problem, &summary);
-  result.converged = summary.termination_type == ceres::CONVERGENCE;
-  result.stopped = summary.termination_type == ceres::USER_FAILURE;
-  result.iterations = static_cast<int>(summary.iterations.size());
-  result.message = result.converged ? "converged" : summary.message;
+  const TrustRegionOptions how{options.max_iterations, options.tolerance, options.on_iteration};
+  auto found = minimise_by_trust_region(objective, bounds.lower, bounds.upper, how, x);
+  result.iterations = found.iterations;
+  result.stopped = found.stopped;
+  result.converged = found.converged;
+  result.message = std::move(found.message);
 }
 
 void by_gauss_newton(Objective& objective, const Bounds& bounds, const FitOptions& options,

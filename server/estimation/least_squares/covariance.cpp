@@ -51,11 +51,14 @@ RowWorth worth_by_curve(const Eigen::VectorXd& weights, const RobustLoss& loss,
     curves[c].slope += value.by_s + 2.0 * s * value.by_ss;
   }
   Eigen::VectorXd own = weights;
+  Eigen::VectorXd influence = result.residuals;
+  for (Eigen::Index k = 0; k < influence.size(); ++k)
+    influence[k] *= loss_at(loss, influence[k] * influence[k]).by_s;
   for (std::size_t c = 0; c < curves.size(); ++c) {
     for (std::size_t k = 0; k < rows.size(); ++k)
       own[static_cast<Eigen::Index>(k)] =
           rows[k].curve == static_cast<int>(c) ? weights[static_cast<Eigen::Index>(k)] : 0.0;
-    curves[c].effective = effective_rows(rows, result.residuals, own);
+    curves[c].effective = effective_rows(rows, influence, own);
   }
   RowWorth worth{Eigen::VectorXd::Zero(weights.size()), Eigen::VectorXd::Zero(weights.size())};
   for (std::size_t k = 0; k < rows.size(); ++k) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/QR>
 #include <cmath>
+#include <utility>
 
 namespace tenter::estimation {
 namespace {
@@ -29,11 +30,25 @@ LossValue loss_at(const RobustLoss& loss, double s) {
   return {s, 1.0, 0.0};
 }
 
-Objective::Objective(ResidualFunction& evaluator, Eigen::VectorXd& all,
-                     const std::vector<int>& free, const Eigen::VectorXd& scale,
-                     const Eigen::VectorXd& weights, const RobustLoss& loss)
-    : evaluator_(evaluator), all_(all), free_(free), scale_(scale), weights_(weights), loss_(loss) {
+Objective::Objective(ResidualFunction& evaluator, Eigen::VectorXd& all, std::vector<int> free,
+                     Eigen::VectorXd scale, const Eigen::VectorXd& weights, const RobustLoss& loss)
+    : evaluator_(evaluator),
+      all_(all),
+      free_(std::move(free)),
+      scale_(std::move(scale)),
+      weights_(weights),
+      loss_(loss) {
   batch_.resize(row_count() + kBatch, row_count());
+}
+
+Objective Objective::with_free(const std::vector<int>& kept) const {
+  std::vector<int> free;
+  Eigen::VectorXd scale(static_cast<Eigen::Index>(kept.size()));
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    free.push_back(free_[static_cast<std::size_t>(kept[k])]);
+    scale[static_cast<Eigen::Index>(k)] = scale_[kept[k]];
+  }
+  return {evaluator_, all_, std::move(free), std::move(scale), weights_, loss_};
 }
 
 bool Objective::evaluate(const double* x, double* residuals, double* jacobian) {

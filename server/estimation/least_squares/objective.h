@@ -15,7 +15,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
 #include <vector>
 
 #include "server/estimation/fit.h"
@@ -35,8 +34,10 @@ LossValue loss_at(const RobustLoss& loss, double s);
 class Objective {
  public:
   /// `all` holds the values of what is fixed and is written to. `weights`: one a row.
-  Objective(ResidualFunction& evaluator, Eigen::VectorXd& all, const std::vector<int>& free,
-            const Eigen::VectorXd& scale, const Eigen::VectorXd& weights, const RobustLoss& loss);
+  Objective(ResidualFunction& evaluator, Eigen::VectorXd& all, std::vector<int> free,
+            Eigen::VectorXd scale, const Eigen::VectorXd& weights, const RobustLoss& loss);
+  /// The same with only these of its parameters free; the others stay where `all` has them.
+  Objective with_free(const std::vector<int>& kept) const;
 
   int parameter_count() const { return static_cast<int>(free_.size()); }
   int row_count() const { return parameter_count() + 1; }
@@ -49,8 +50,8 @@ class Objective {
 
   ResidualFunction& evaluator_;
   Eigen::VectorXd& all_;
-  const std::vector<int>& free_;
-  const Eigen::VectorXd& scale_;
+  std::vector<int> free_;
+  Eigen::VectorXd scale_;
   const Eigen::VectorXd& weights_;
   const RobustLoss& loss_;
   Eigen::VectorXd r_;

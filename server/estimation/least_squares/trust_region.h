@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Ceres' trust region on an Objective, with bounds.
+//
+// Ceres meets bounds by cutting its steps off at them, which may end far from the optimum: the step
+// is that of parameters which could move freely. So where a result lies at bounds that hold it back
+// and a step of the others alone promises a lower cost, the held ones are taken out and the others
+// go on, until none is held wrongly and nothing is promised.
+//
+// A point without an equilibrium shortens the step. One thread.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "server/estimation/least_squares/objective.h"
+
+namespace tenter::estimation {
+
+struct TrustRegionOptions {
+  int max_iterations = 80;
+  double tolerance = 1e-7;  ///< least fall of the cost, relative
+  /// Called after each iteration with its number and cost; returns false to stop.
+  std::function<bool(int, double)> on_iteration;
+};
+
+struct TrustRegionResult {
+  bool converged = false;
+  bool stopped = false;  ///< by on_iteration
+  int iterations = 0;
+  std::string message;
+};
+
+/// `x`: start and result, scaled. Bounds of each: infinite where there is none.
+TrustRegionResult minimise_by_trust_region(Objective& objective, const Eigen::VectorXd& lower,
+                                           const Eigen::VectorXd& upper,
+                                           const TrustRegionOptions& options, Eigen::VectorXd& x);
+
+}  // namespace tenter::estimation

@@ -53,8 +53,9 @@ class MeshModel::Group {
   /// Adds to what is wanted of `output`.
   virtual AssemblyStatus add(const double* x, const double* parameters, const ModelOutput& output,
                              const EnergyLimitState* state) const = 0;
-  /// Adds d2E/dx dp into the columns of its own parameters.
+  /// Adds d2E/dx dp into the columns of its own parameters; of limits only m a d2psi/dx dp.
   virtual AssemblyStatus add_by_parameter(const double* x, const double* parameters,
+                                          const EnergyLimitState* state,
                                           Eigen::MatrixXd& result) const = 0;
   /// Adds to the entry of each of its terms.
   virtual AssemblyStatus add_term_energies(const double* x, const double* parameters,
@@ -65,6 +66,9 @@ class MeshModel::Group {
   /// Fills the entries of its own limits.
   virtual AssemblyStatus limit_excess(const double* x, const double* parameters,
                                       double* excess) const = 0;
+  /// Fills the columns and rows of the active entries that are its own.
+  virtual AssemblyStatus fill_limits(const double* x, const double* parameters,
+                                     ActiveLimits& active) const = 0;
   virtual const std::vector<double>& measure() const = 0;  ///< of its elements, without supports
   virtual std::vector<std::pair<int, int>> pairs() const = 0;
   virtual void find_slots(const NodeMatrix& matrix) = 0;
@@ -127,24 +131,50 @@ class ElementGroup final : public MeshModel::Group {
   }
 
   AssemblyStatus add_by_parameter(const double* x, const double* parameters,
+                                  const EnergyLimitState* state,
                                   Eigen::MatrixXd& result) const override {
-    Chunk chunk;
-    for (int first = 0; first < elements_.count(); first += kChunk) {
-      const int count = std::min(kChunk, elements_.count() - first);
-      if (!see(elements_, x, first, count, chunk.z)) return AssemblyStatus::inverted;
-      for (const GroupTerm& term : terms) {
+    return each_chunk(x, [&](Chunk& chunk, int first, int count) {
+      for (std::size_t t = 0; t < terms.size(); ++t) {
+        const GroupTerm& term = terms[t];
+        double measure[kChunk];
+        std::copy_n(term.measure.data() + first, count, measure);
+        if (state) stiffen(static_cast<int>(t), *state, parameters, chunk, first, count, measure);
         term.strain->strains(chunk.z, first, count, chunk.strain);
         for (int p = 0; p < term.law->parameter_count(); ++p) {
           const LawBatch batch = chunk.batch(count, false, false);
           stress_by_parameter(term, parameters, p, chunk, count);
           double psi_z[Z * kChunk] = {};
-          term.strain->chain(chunk.z, first, batch, term.measure.data() + first, psi_z, nullptr);
+          term.strain->chain(chunk.z, first, batch, measure, psi_z, nullptr);
           add_gradient(elements_, x, first, count, psi_z,
                        result.col(term.first_parameter + p).data());
         }
       }
-    }
-    return AssemblyStatus::ok;
+    });
+  }
+
+  AssemblyStatus fill_limits(const double* x, const double* parameters,
+                             ActiveLimits& active) const override {
+    if (limits.empty()) return AssemblyStatus::ok;
+    return each_chunk(x, [&](Chunk& chunk, int first, int count) {
+      for (const GroupLimit& limit : limits) {
+        const int first_entry = limit.first + first;
+        auto entry = std::lower_bound(active.entry.begin(), active.entry.end(), first_entry);
+        if (entry == active.entry.end() || *entry >= first_entry + count) continue;
+        Density density;
+        add_density(limit, parameters, chunk, first, count, density, density.by_z, nullptr);
+        const auto column = static_cast<Eigen::Index>(entry - active.entry.begin());
+        Eigen::Index k = column;
+        for (; entry != active.entry.end() && *entry < first_entry + count; ++entry, ++k) {
+          const int e = *entry - first_entry;
+          double alone[Z * kChunk] = {};
+          for (int i = 0; i < Z; ++i) alone[i * kChunk + e] = density.by_z[i * kChunk + e];
+          add_gradient(elements_, x, first, count, alone, active.by_x.col(k).data());
+        }
+        for (const int t : limit.terms)
+          density_by_parameter(terms[static_cast<std::size_t>(t)], parameters, chunk, first, count,
+                               first_entry, column, active);
+      }
+    });
   }
 
   AssemblyStatus add_term_energies(const double* x, const double* parameters,
@@ -235,6 +265,57 @@ class ElementGroup final : public MeshModel::Group {
       term.law->evaluate_batch(parameters + term.first_parameter, batch);
       for (int e = 0; e < count; ++e) density.value[e] += weight[e] * chunk.energy[e];
       if (by_z) term.strain->chain(chunk.z, first, batch, weight, by_z, by_zz);
+    }
+  }
+
+  /// Adds to the measure what active limits stiffen a term by: a times as much.
+  void stiffen(int term, const EnergyLimitState& state, const double* parameters, Chunk& chunk,
+               int first, int count, double* measure) const {
+    for (const GroupLimit& limit : limits) {
+      if (std::find(limit.terms.begin(), limit.terms.end(), term) == limit.terms.end()) continue;
+      Density density;
+      add_density(limit, parameters, chunk, first, count, density, nullptr, nullptr);
+      const double* own = terms[static_cast<std::size_t>(term)].measure.data() + first;
+      for (int e = 0; e < count; ++e) {
+        const double excess = density.value[e] - limit.energy_max;
+        measure[e] += own[e] * std::max(0.0, state.multiplier[limit.first + first + e] +
+                                                 state.penalty * excess);
+      }
+    }
+  }
+
+  /// Adds dpsi/dp of one term to the rows of the active entries of a chunk, by differences over
+  /// four energies, without error up to the fourth power.
+  void density_by_parameter(const GroupTerm& term, const double* parameters, Chunk& chunk,
+                            int first, int count, int first_entry, Eigen::Index row,
+                            ActiveLimits& active) const {
+    constexpr double kStep = 1e-3;
+    constexpr double kSteps[] = {-2.0, -1.0, 1.0, 2.0};
+    constexpr double kWeights[] = {1.0 / 12.0, -8.0 / 12.0, 8.0 / 12.0, -1.0 / 12.0};
+    const int parameter_count = term.law->parameter_count();
+    double own[kMaxLawParameters];
+    std::copy_n(parameters + term.first_parameter, parameter_count, own);
+    term.strain->strains(chunk.z, first, count, chunk.strain);
+    for (int p = 0; p < parameter_count; ++p) {
+      const double value = own[p];
+      const double step = value != 0.0 ? kStep * std::abs(value) : kStep;
+      double slope[kChunk] = {};
+      for (int s = 0; s < 4; ++s) {
+        own[p] = value + kSteps[s] * step;
+        const LawBatch batch = chunk.batch(count, true, false);
+        term.law->evaluate_batch(own, batch);
+        for (int e = 0; e < count; ++e) slope[e] += kWeights[s] * chunk.energy[e] / step;
+      }
+      own[p] = value;
+      for (auto k = static_cast<std::size_t>(row);
+           k < active.entry.size() && active.entry[k] < first_entry + count; ++k) {
+        const int e = active.entry[k] - first_entry;
+        const auto element_of = static_cast<std::size_t>(first + e);
+        const double m = elements_.measure[element_of];
+        const double weight = m > 0.0 ? term.measure[element_of] / m : 0.0;
+        active.by_parameter(static_cast<Eigen::Index>(k), term.first_parameter + p) +=
+            weight * slope[e];
+      }
     }
   }
 

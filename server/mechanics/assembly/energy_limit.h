@@ -44,6 +44,13 @@ struct EnergyLimitState {
   double penalty = 0.0;        ///< mu > 0, 1/(J/m^2) or 1/(J/m^3)
 };
 
+/// The elements whose limit is active (a > 0) and how their limited density changes.
+struct ActiveLimits {
+  std::vector<int> entry;        ///< places in multipliers and excesses, ascending
+  Eigen::MatrixXd by_x;          ///< dpsi/dx: (3 nodes) x active
+  Eigen::MatrixXd by_parameter;  ///< dpsi/dp: active x parameters
+};
+
 /// l <- max(0, l + mu excess), with psi - psi_max from MeshModel::limit_excess at the minimum.
 /// Returns the largest change of a multiplier: zero at the constrained minimum.
 double update_multipliers(const Eigen::VectorXd& excess, EnergyLimitState& state);

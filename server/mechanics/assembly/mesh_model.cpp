@@ -32,13 +32,49 @@ AssemblyStatus MeshModel::evaluate(const Eigen::VectorXd& x, const Eigen::Vector
 
 AssemblyStatus MeshModel::gradient_by_parameter(const Eigen::VectorXd& x,
                                                 const Eigen::VectorXd& parameters,
-                                                Eigen::MatrixXd& result) const {
+                                                Eigen::MatrixXd& result,
+                                                const EnergyLimitState* limits) const {
   result.setZero(3 * node_count_, parameter_count_);
   for (const auto& group : groups_) {
-    const AssemblyStatus status = group->add_by_parameter(x.data(), parameters.data(), result);
+    const AssemblyStatus status =
+        group->add_by_parameter(x.data(), parameters.data(), limits, result);
     if (status != AssemblyStatus::ok) return status;
   }
+  if (limits && limited_count_ > 0) {
+    ActiveLimits active;
+    const AssemblyStatus status = active_limits(x, parameters, *limits, active);
+    if (status != AssemblyStatus::ok) return status;
+    std::vector<double> measure;
+    for (const LimitedElements& limited : limited_)
+      measure.insert(measure.end(), limited.measure.begin(), limited.measure.end());
+    for (std::size_t k = 0; k < active.entry.size(); ++k) {
+      const auto column = static_cast<Eigen::Index>(k);
+      const double weight = limits->penalty * measure[static_cast<std::size_t>(active.entry[k])];
+      result.noalias() += weight * active.by_x.col(column) * active.by_parameter.row(column);
+    }
+  }
   return result.allFinite() ? AssemblyStatus::ok : AssemblyStatus::not_finite;
+}
+
+AssemblyStatus MeshModel::active_limits(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
+                                        const EnergyLimitState& limits,
+                                        ActiveLimits& active) const {
+  active.entry.clear();
+  Eigen::VectorXd excess;
+  if (const auto status = limit_excess(x, parameters, excess); status != AssemblyStatus::ok)
+    return status;
+  for (int k = 0; k < limited_count_; ++k)
+    if (limits.multiplier[k] + limits.penalty * excess[k] > 0.0) active.entry.push_back(k);
+  const auto count = static_cast<Eigen::Index>(active.entry.size());
+  active.by_x.setZero(3 * node_count_, count);
+  active.by_parameter.setZero(count, parameter_count_);
+  if (count == 0) return AssemblyStatus::ok;
+  for (const auto& group : groups_) {
+    const AssemblyStatus status = group->fill_limits(x.data(), parameters.data(), active);
+    if (status != AssemblyStatus::ok) return status;
+  }
+  return active.by_x.allFinite() && active.by_parameter.allFinite() ? AssemblyStatus::ok
+                                                                    : AssemblyStatus::not_finite;
 }
 
 AssemblyStatus MeshModel::term_energies(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,

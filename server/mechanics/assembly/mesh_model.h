@@ -77,10 +77,11 @@ class MeshModel {
                                         const ModelOutput& output,
                                         const EnergyLimitState* limits = nullptr) const;
 
-  /// d2E/dx dp: (3 nodes) x parameters, column by column; without the energy limits.
-  [[nodiscard]] AssemblyStatus gradient_by_parameter(const Eigen::VectorXd& x,
-                                                     const Eigen::VectorXd& parameters,
-                                                     Eigen::MatrixXd& result) const;
+  /// d2E/dx dp: (3 nodes) x parameters, column by column. With `limits`, also of their part
+  /// m/(2 mu) (a^2 - l^2) at fixed multipliers: m (a d2psi/dx dp + mu dpsi/dx dpsi/dp).
+  [[nodiscard]] AssemblyStatus gradient_by_parameter(
+      const Eigen::VectorXd& x, const Eigen::VectorXd& parameters, Eigen::MatrixXd& result,
+      const EnergyLimitState* limits = nullptr) const;
 
   int term_count() const { return term_count_; }
   /// The part of the energy (J) of each term, in the order of the model's terms.
@@ -98,6 +99,14 @@ class MeshModel {
   [[nodiscard]] AssemblyStatus limit_excess(const Eigen::VectorXd& x,
                                             const Eigen::VectorXd& parameters,
                                             Eigen::VectorXd& excess) const;
+
+  /// The limits that are active at x and their derivatives. dpsi/dp is exact to rounding where the
+  /// density is a polynomial of up to the fourth degree in a parameter, as most laws are of the
+  /// first; to about 1e-11 of it otherwise.
+  [[nodiscard]] AssemblyStatus active_limits(const Eigen::VectorXd& x,
+                                             const Eigen::VectorXd& parameters,
+                                             const EnergyLimitState& limits,
+                                             ActiveLimits& active) const;
 
   class Group;    ///< elements of one kind, and the terms on them (element_group.h)
   class Builder;  ///< what the two makers have in common (model_builder.h)

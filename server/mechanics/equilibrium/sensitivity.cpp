@@ -3,30 +3,43 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <utility>
 #include <vector>
 
 namespace tenter::mechanics {
 namespace {
 
-/// Solves with dF/dx: displacements of the nodes that answer to forces on them. Nodes that touch an
-/// obstacle do not move against it: with N the normals and K the factored stiffness (penalties of
-/// contact included, which then carry nothing),
+/// Solves with dF/dx: displacements of the nodes that answer to forces on them, where nodes that
+/// touch an obstacle do not move against it and the energy of elements at their limit changes by
+/// nothing but what parameters do to it. With N the normals of these conditions, c what N' dx shall
+/// be, and K the factored stiffness (their penalties included, which then carry nothing),
 ///
-///   dx = (I - K^-1 N (N' K^-1 N)^-1 N') K^-1 f
+///   K dx + N l = f     N' dx = c     l = (N' K^-1 N)^-1 (N' K^-1 f - c)
 class Compliance {
  public:
-  static Expected<Compliance> at(EquilibriumSolver& solver, const State& state) {
+  static Expected<Compliance> at(EquilibriumSolver& solver, const Eigen::VectorXd& parameters,
+                                 const State& state) {
     if (!solver.factor())
       return fail(
           ErrorKind::refused,
           "there is no derivative: the last state was not found to be a stable equilibrium");
-    if (solver.limits().multiplier.size() > 0 && solver.limits().multiplier.maxCoeff() > 0.0)
-      return fail(ErrorKind::refused, "there is no derivative where an energy limit is active");
-    return Compliance(solver, state);
+    ActiveLimits limits;
+    if (solver.limits().multiplier.size() > 0 &&
+        solver.model().active_limits(state.x, parameters, solver.limits(), limits) !=
+            AssemblyStatus::ok)
+      return fail(ErrorKind::refused, "a derivative of a limited energy is not finite");
+    return Compliance(solver, state, std::move(limits));
   }
 
-  /// Columns over all nodes, 3 numbers each; `displacement` has the size of `force`.
-  void solve(const Eigen::MatrixXd& force, Eigen::MatrixXd& displacement) {
+  /// dpsi/dp of the elements at their limit.
+  const Eigen::MatrixXd& limits_by_parameter() const { return limits_.by_parameter; }
+  /// Their normals over all nodes.
+  const Eigen::MatrixXd& limit_normals() const { return limits_.by_x; }
+
+  /// Columns over all nodes, 3 numbers each. `limits_change`: c, one row an element at its limit.
+  /// `multiplier`: l of the same.
+  void solve(const Eigen::MatrixXd& force, const Eigen::MatrixXd& limits_change,
+             Eigen::MatrixXd& displacement, Eigen::MatrixXd& multiplier) {
     const Unknowns& unknowns = solver_.unknowns();
     by_unknown_.resize(unknowns.count(), force.cols());
     Eigen::VectorXd column, moved;
@@ -36,8 +49,15 @@ class Compliance {
     }
     solver_.factor()->solve(by_unknown_.data(), by_unknown_.data(),
                             static_cast<int>(by_unknown_.cols()));
-    if (normals_.cols() > 0)
-      by_unknown_ -= answers_ * touching_.solve(normals_.transpose() * by_unknown_);
+    const Eigen::Index limits = limits_change.rows();
+    multiplier.resize(limits, force.cols());
+    if (normals_.cols() > 0) {
+      Eigen::MatrixXd along = normals_.transpose() * by_unknown_;
+      along.bottomRows(limits) -= limits_change;
+      const Eigen::MatrixXd held = conditions_.solve(along);
+      by_unknown_ -= answers_ * held;
+      multiplier = held.bottomRows(limits);
+    }
     displacement.resize(force.rows(), force.cols());
     for (Eigen::Index k = 0; k < force.cols(); ++k) {
       column = by_unknown_.col(k);
@@ -47,50 +67,65 @@ class Compliance {
   }
 
  private:
-  Compliance(EquilibriumSolver& solver, const State& state) : solver_(solver), state_(state) {
+  Compliance(EquilibriumSolver& solver, const State& state, ActiveLimits limits)
+      : solver_(solver), state_(state), limits_(std::move(limits)) {
     const std::vector<Contact::Touch> touches = solver.contact().touches(state.x);
-    if (touches.empty()) return;
+    const auto touching = static_cast<Eigen::Index>(touches.size());
+    const Eigen::Index count = touching + limits_.by_x.cols();
+    if (count == 0) return;
     const Unknowns& unknowns = solver.unknowns();
-    const auto count = static_cast<Eigen::Index>(touches.size());
     normals_.setZero(unknowns.count(), count);
     Eigen::VectorXd normal, column;
     for (Eigen::Index k = 0; k < count; ++k) {
-      const Contact::Touch& touch = touches[static_cast<std::size_t>(k)];
-      normal.setZero(state.x.size());
-      normal.segment<3>(3 * static_cast<Eigen::Index>(touch.node)) = touch.normal;
+      if (k < touching) {
+        const Contact::Touch& touch = touches[static_cast<std::size_t>(k)];
+        normal.setZero(state.x.size());
+        normal.segment<3>(3 * static_cast<Eigen::Index>(touch.node)) = touch.normal;
+      } else {
+        normal = limits_.by_x.col(k - touching);
+      }
       unknowns.restrict_to(state, normal, column);
       normals_.col(k) = column;
     }
     answers_.resize(unknowns.count(), count);
     solver.factor()->solve(normals_.data(), answers_.data(), static_cast<int>(count));
-    touching_.compute(normals_.transpose() * answers_);
+    conditions_.compute(normals_.transpose() * answers_);
   }
 
   EquilibriumSolver& solver_;
   const State& state_;
-  Eigen::MatrixXd normals_, answers_;      ///< N and K^-1 N
-  Eigen::LDLT<Eigen::MatrixXd> touching_;  ///< of N' K^-1 N
+  ActiveLimits limits_;
+  Eigen::MatrixXd normals_, answers_;        ///< N, of touching nodes first, and K^-1 N
+  Eigen::LDLT<Eigen::MatrixXd> conditions_;  ///< of N' K^-1 N
   Eigen::MatrixXd by_unknown_;
 };
 
-/// dx and dG from the change of G at fixed x of what is free.
-Expected<Sensitivity> answer(EquilibriumSolver& solver, const State& state,
-                             const Eigen::MatrixXd& partial, const Eigen::MatrixXd* held_m) {
-  auto compliance = Compliance::at(solver, state);
-  if (!compliance) return tl::unexpected(compliance.error());
+/// dx and dG from the change of G at fixed x of what is free, and of the limited energies.
+Sensitivity answer(EquilibriumSolver& solver, Compliance& compliance,
+                   const Eigen::MatrixXd& partial, const Eigen::MatrixXd& limits_change) {
   Sensitivity result;
-  compliance->solve(-partial, result.x);
+  Eigen::MatrixXd multiplier;
+  compliance.solve(-partial, limits_change, result.x, multiplier);
   // what obstacles bear changes with the state too: it is no force of the mesh on a holder
   std::vector<bool> is_held(static_cast<std::size_t>(partial.rows() / 3), true);
   for (const int node : solver.unknowns().free_nodes())
     is_held[static_cast<std::size_t>(node)] = false;
   result.gradient = partial;
+  if (multiplier.rows() > 0) result.gradient.noalias() += compliance.limit_normals() * multiplier;
   solver.node_stiffness().multiply_add(result.x.data(), result.gradient.data(),
                                        static_cast<int>(partial.cols()), is_held);
   for (const int node : solver.unknowns().free_nodes())
     result.gradient.middleRows<3>(3 * static_cast<Eigen::Index>(node)).setZero();
-  if (held_m) result.x += *held_m;
   return result;
+}
+
+/// d2Pi/dx dp at fixed multipliers.
+bool gradient_by_parameter(const EquilibriumSolver& solver, const Eigen::VectorXd& parameters,
+                           const State& state, Eigen::MatrixXd& partial) {
+  const EnergyLimitState* limits =
+      solver.limits().multiplier.size() > 0 ? &solver.limits() : nullptr;
+  return solver.model().gradient_by_parameter(state.x, parameters, partial, limits) ==
+         AssemblyStatus::ok;
 }
 
 }  // namespace
@@ -98,18 +133,27 @@ Expected<Sensitivity> answer(EquilibriumSolver& solver, const State& state,
 Expected<Sensitivity> sensitivity_by_parameter(EquilibriumSolver& solver,
                                                const Eigen::VectorXd& parameters,
                                                const State& state) {
+  auto compliance = Compliance::at(solver, parameters, state);
+  if (!compliance) return tl::unexpected(compliance.error());
   Eigen::MatrixXd partial;
-  if (solver.model().gradient_by_parameter(state.x, parameters, partial) != AssemblyStatus::ok)
+  if (!gradient_by_parameter(solver, parameters, state, partial))
     return fail(ErrorKind::refused, "a derivative by a parameter is not finite");
-  return answer(solver, state, partial, nullptr);
+  return answer(solver, *compliance, partial, -compliance->limits_by_parameter());
 }
 
-Expected<Sensitivity> sensitivity_by_displacement(EquilibriumSolver& solver, const State& state,
+Expected<Sensitivity> sensitivity_by_displacement(EquilibriumSolver& solver,
+                                                  const Eigen::VectorXd& parameters,
+                                                  const State& state,
                                                   const Eigen::MatrixXd& held_m) {
+  auto compliance = Compliance::at(solver, parameters, state);
+  if (!compliance) return tl::unexpected(compliance.error());
   Eigen::MatrixXd partial = Eigen::MatrixXd::Zero(held_m.rows(), held_m.cols());
   for (Eigen::Index k = 0; k < held_m.cols(); ++k)
     solver.node_stiffness().multiply_add(held_m.col(k).data(), partial.col(k).data());
-  return answer(solver, state, partial, &held_m);
+  Sensitivity result =
+      answer(solver, *compliance, partial, -compliance->limit_normals().transpose() * held_m);
+  result.x += held_m;
+  return result;
 }
 
 Wrench reaction_change(const Clip& clip, const Eigen::VectorXd& x, const Eigen::VectorXd& gradient,
@@ -128,10 +172,10 @@ Expected<Eigen::VectorXd> objective_by_parameter(EquilibriumSolver& solver,
                                                  const Eigen::VectorXd& parameters,
                                                  const State& state, const Eigen::VectorXd& by_x,
                                                  const Eigen::VectorXd& by_gradient) {
-  auto compliance = Compliance::at(solver, state);
+  auto compliance = Compliance::at(solver, parameters, state);
   if (!compliance) return tl::unexpected(compliance.error());
   Eigen::MatrixXd partial;
-  if (solver.model().gradient_by_parameter(state.x, parameters, partial) != AssemblyStatus::ok)
+  if (!gradient_by_parameter(solver, parameters, state, partial))
     return fail(ErrorKind::refused, "a derivative by a parameter is not finite");
   // G of free nodes stays zero and has no say
   Eigen::VectorXd held_gradient = by_gradient;
@@ -139,9 +183,13 @@ Expected<Eigen::VectorXd> objective_by_parameter(EquilibriumSolver& solver,
     held_gradient.segment<3>(3 * static_cast<Eigen::Index>(node)).setZero();
   Eigen::VectorXd weight = by_x;
   solver.node_stiffness().multiply_add(held_gradient.data(), weight.data());
-  Eigen::MatrixXd adjoint;
-  compliance->solve(weight, adjoint);
-  return Eigen::VectorXd(partial.transpose() * (held_gradient - adjoint.col(0)));
+  Eigen::MatrixXd adjoint, multiplier;
+  compliance->solve(weight, compliance->limit_normals().transpose() * held_gradient, adjoint,
+                    multiplier);
+  Eigen::VectorXd result = partial.transpose() * (held_gradient - adjoint.col(0));
+  if (multiplier.rows() > 0)
+    result -= compliance->limits_by_parameter().transpose() * multiplier.col(0);
+  return result;
 }
 
 }  // namespace tenter::mechanics

@@ -10,10 +10,11 @@
 //   auto gradient = objective_by_parameter(solver, parameters, state, by_x, by_gradient);  //
 //   adjoint
 //
-// Exact, also where nodes touch obstacles as long as the set of those that touch stays the same.
-// Costs one solve per column (adjoint: one in all) and, with contact, one per touching node.
-// Requires solver.factor(): errors of kind `refused` where the last result was no checked minimum,
-// and where an energy limit of the model is active.
+// Exact, also where nodes touch obstacles or elements are at an energy limit, as long as the set of
+// those stays the same: their forces and multipliers answer too, instead of the soft constraint of
+// (4.7) to (4.9). Costs one solve per column (adjoint: one in all), one per touching node and one
+// per element at its limit. Requires solver.factor(): errors of kind `refused` where the last
+// result was no checked minimum.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,7 +36,9 @@ Expected<Sensitivity> sensitivity_by_parameter(EquilibriumSolver& solver,
 
 /// By displacements of what is held: each column moves nodes that are held or in prescribed clips
 /// (m, 3 numbers a node; zero at all others).
-Expected<Sensitivity> sensitivity_by_displacement(EquilibriumSolver& solver, const State& state,
+Expected<Sensitivity> sensitivity_by_displacement(EquilibriumSolver& solver,
+                                                  const Eigen::VectorXd& parameters,
+                                                  const State& state,
                                                   const Eigen::MatrixXd& held_m);
 
 /// Change of reaction() with one column; `about_m` stays.

@@ -84,10 +84,80 @@ TEST(EnergyLimits, AStripIsHeldAtItsLimitAndTheMultiplierCarriesTheRest) {
   ASSERT_EQ(result->limit_multiplier.size(), model.limited_count());
   EXPECT_GT(model.limited_count(), 10);
   for (const double l : result->limit_multiplier) EXPECT_NEAR(l, 2.0, 1e-4);
+}
 
-  const auto change = sensitivity_by_parameter(solver, parameters, strip.state);
-  ASSERT_FALSE(change);
-  EXPECT_EQ(change.error().kind, ErrorKind::refused);
+/// A strip pulled askew: elements near one edge are at their limit, others are not. How it answers
+/// to parameters and to its held end, beside differences of whole solves.
+TEST(EnergyLimits, SensitivitiesFollowWholeSolvesWhereTheyAreActive) {
+  const double strain_max = 0.05;
+  const model::Model description = limited_model(0.5 * kStiffness_N_m * strain_max * strain_max);
+  Strip strip(0.12);
+  strip.loads.cord_force_N[0][0] += Eigen::Vector3d(0.03, 0.0, 0.004);
+  strip.boundary.clips[0].cord_place_m[0].x() = 0.01;
+  const MeshModel model = MeshModel::make(description, strip.cloth).value();
+  auto solver = EquilibriumSolver::make(model, strip.boundary).value();
+  EquilibriumOptions options;
+  options.tolerance_N = 0.0;
+  options.limit_tolerance = 1e-10;
+  const Eigen::VectorXd parameters = term_parameters(description);
+  const auto solve = [&](const Eigen::VectorXd& p, State& state, Eigen::VectorXd& gradient) {
+    const auto result = solver.solve(p, strip.loads, state, options);
+    ASSERT_TRUE(result) << result.error().message;
+    ASSERT_TRUE(result->is_good(options)) << describe(*result, options);
+    gradient = result->by_node;
+    for (const int node : solver.unknowns().free_nodes())
+      gradient.segment<3>(3 * static_cast<Eigen::Index>(node)).setZero();
+  };
+  State at = strip.state;
+  Eigen::VectorXd gradient;
+  solve(parameters, at, gradient);
+  ActiveLimits active;
+  ASSERT_EQ(model.active_limits(at.x, parameters, solver.limits(), active), AssemblyStatus::ok);
+  EXPECT_GT(active.entry.size(), 3u);
+  EXPECT_LT(active.entry.size(), static_cast<std::size_t>(model.limited_count()) - 3u);
+  const auto change = sensitivity_by_parameter(solver, parameters, at);
+  ASSERT_TRUE(change) << change.error().message;
+  const Eigen::VectorXd by_x = Eigen::VectorXd::LinSpaced(at.x.size(), -1.0, 2.0);
+  const Eigen::VectorXd by_gradient = Eigen::VectorXd::LinSpaced(at.x.size(), 3.0, -0.5);
+  const auto adjoint = objective_by_parameter(solver, parameters, at, by_x, by_gradient);
+  ASSERT_TRUE(adjoint) << adjoint.error().message;
+  Eigen::MatrixXd held = Eigen::MatrixXd::Zero(at.x.size(), 1);
+  held.col(0).segment<3>(3 * strip.boundary.held[1]) << 0.2, 0.4, -0.3;
+  const auto by_held = sensitivity_by_displacement(solver, parameters, at, held);
+  ASSERT_TRUE(by_held) << by_held.error().message;
+
+  int felt = 0;
+  State high = at, low = at;
+  Eigen::VectorXd high_gradient, low_gradient;
+  const auto compare = [&](double h, const Eigen::VectorXd& x, const Eigen::VectorXd& g,
+                           const std::string& what) {
+    const Eigen::VectorXd dx = (high.x - low.x) / (2.0 * h);
+    const Eigen::VectorXd dg = (high_gradient - low_gradient) / (2.0 * h);
+    EXPECT_LT((x - dx).norm(), 1e-5 * dx.norm() + 1e-12 / h) << what;
+    EXPECT_LT((g - dg).norm(), 1e-5 * dg.norm() + 1e-12 / h) << what;
+    felt += dx.norm() * h > 1e-8;
+  };
+  for (int p = 0; p < model.parameter_count(); ++p) {
+    const double h = 1e-4 * parameters[p];
+    Eigen::VectorXd up = parameters, down = parameters;
+    up[p] += h;
+    down[p] -= h;
+    high = low = at;
+    solve(up, high, high_gradient);
+    solve(down, low, low_gradient);
+    compare(h, change->x.col(p), change->gradient.col(p), "parameter " + std::to_string(p));
+    const double difference =
+        (by_x.dot(high.x - low.x) + by_gradient.dot(high_gradient - low_gradient)) / (2.0 * h);
+    EXPECT_NEAR((*adjoint)[p], difference, 1e-5 * std::abs(difference) + 1e-10 / h) << p;
+  }
+  EXPECT_GT(felt, 2);
+  const double h = 1e-6;
+  high = low = at;
+  high.x += h * held.col(0);
+  low.x -= h * held.col(0);
+  solve(parameters, high, high_gradient);
+  solve(parameters, low, low_gradient);
+  compare(h, by_held->x.col(0), by_held->gradient.col(0), "held node");
 }
 
 TEST(EnergyLimits, AreSilentWhereTheyAreNotReached) {

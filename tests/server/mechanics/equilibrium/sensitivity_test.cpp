@@ -169,7 +169,7 @@ TEST(Sensitivity, ByDisplacementOfWhatIsHeld) {
   Eigen::MatrixXd held = Eigen::MatrixXd::Zero(at.state.x.size(), 1);
   held.col(0).segment<3>(3 * (9 * 8 + 1)) = Eigen::Vector3d(0.3, -0.4, 0.9);
   held.col(0).segment<3>(3 * (9 * 8 + 6)) = Eigen::Vector3d(-0.5, 0.6, 0.2);
-  const auto change = sensitivity_by_displacement(solver, at.state, held);
+  const auto change = sensitivity_by_displacement(solver, setup.parameters, at.state, held);
   ASSERT_TRUE(change) << change.error().message;
   const double h = 1e-5;
   State up = at.state, down = at.state;

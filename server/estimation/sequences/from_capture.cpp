@@ -174,7 +174,18 @@ class Making {
     return pull;
   }
 
-  Expected<void> add_force(int clip, const Eigen::Vector3d& direction) {
+  /// In space, in a frame of the capture.
+  Eigen::Vector3d direction_of(const ForceChannel& force, std::size_t frame) const {
+    if (!force.turns_with_clip) return force.direction;
+    const auto clip = static_cast<std::size_t>(force.clip);
+    return pose_of(sheet_.clips[clip].pose[frame]).rotation * force.direction;
+  }
+
+  Expected<void> add_force(int clip, const Eigen::Vector3d& direction, bool turns_with_clip) {
+    ForceChannel force;
+    force.clip = clip;
+    force.direction = direction.normalized();
+    force.turns_with_clip = turns_with_clip;
     double variance = 0.0;
     double largest = 0.0;
     for (const CordTrack& cord : sheet_.cords) {
@@ -184,29 +195,30 @@ class Making {
         return bad_input("cord \"" + cord.id + "\" does not say how noisy its tension is");
       double share = 0.0;  // of its noise that shows along the direction, over the frames
       for (const std::size_t f : out_.frame)
-        share += std::pow(direction.dot(vector_of(cord.direction[f])), 2);
+        share += std::pow(direction_of(force, f).dot(vector_of(cord.direction[f])), 2);
       variance += sigma * sigma * share / static_cast<double>(out_.frame.size());
       largest = std::max(largest, sigma);
     }
     // across its cords a clip's force is known from their directions, which have a noise as well
     constexpr double kLeastShare = 0.1;
-    sequence().forces.push_back(
-        {clip, direction, std::max(std::sqrt(variance), kLeastShare * largest)});
+    force.sigma_N = std::max(std::sqrt(variance), kLeastShare * largest);
+    sequence().forces.push_back(force);
     return {};
   }
 
   Expected<void> make_forces() {
-    for (const auto& [id, direction] : options_.force_directions)
-      if (!sheet_.find_clip(id) || !(direction.norm() > 0.0))
-        return bad_input("a force is asked for of clip \"" + id +
+    for (const FromCaptureOptions::Force& asked : options_.forces)
+      if (!sheet_.find_clip(asked.clip) || !(asked.direction.norm() > 0.0))
+        return bad_input("a force is asked for of clip \"" + asked.clip +
                          "\", which is not there, or along no direction");
     for (std::size_t c = 0; c < clips_.size(); ++c) {
       if (clips_[c].is_free || clips_[c].cord_place_m.empty()) continue;
       bool is_asked = false;
-      for (const auto& [id, direction] : options_.force_directions) {
-        if (id != clips_[c].id) continue;
+      for (const FromCaptureOptions::Force& asked : options_.forces) {
+        if (asked.clip != clips_[c].id) continue;
         is_asked = true;
-        if (auto ok = add_force(static_cast<int>(c), direction.normalized()); !ok) return ok;
+        if (auto ok = add_force(static_cast<int>(c), asked.direction, asked.turns_with_clip); !ok)
+          return ok;
       }
       if (is_asked) continue;
       Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -215,7 +227,7 @@ class Making {
       if (!(mean.norm() > 0.0))
         return bad_input("the cords of clip \"" + clips_[c].id +
                          "\" pull nowhere on the mean; a direction must be given");
-      if (auto ok = add_force(static_cast<int>(c), mean.normalized()); !ok) return ok;
+      if (auto ok = add_force(static_cast<int>(c), mean, false); !ok) return ok;
     }
     return {};
   }
@@ -252,7 +264,7 @@ class Making {
       for (std::size_t k = 0; k < sequence().forces.size(); ++k) {
         const ForceChannel& force = sequence().forces[k];
         const auto& id = clips_[static_cast<std::size_t>(force.clip)].id;
-        const double value = force.direction.dot(pull_of(id, f));
+        const double value = direction_of(force, f).dot(pull_of(id, f));
         frame.forces_N[static_cast<Eigen::Index>(k)] = value;
         out_.use.missing_forces += std::isnan(value) ? 1 : 0;
       }

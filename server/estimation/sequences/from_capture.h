@@ -47,8 +47,13 @@ struct FromCaptureOptions {
   std::vector<std::size_t> frames;  ///< of the capture, rising; empty: all
   double unknown_sigma_m = 0.0;     ///< for positions that do not say theirs; 0: an error
   double unknown_sigma_N = 0.0;     ///< the same for tensions
-  /// Clip and direction of force channels; a clip that is named gets these in place of its own.
-  std::vector<std::pair<std::string, Eigen::Vector3d>> force_directions;
+  /// Clips that are named here get these force channels in place of their own.
+  struct Force {
+    std::string clip;
+    Eigen::Vector3d direction;     ///< in space, or of the clip where it turns with that
+    bool turns_with_clip = false;  ///< see ForceChannel
+  };
+  std::vector<Force> forces;
   bool start_from_measured = true;
 };
 

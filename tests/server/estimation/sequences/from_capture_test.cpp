@@ -207,6 +207,34 @@ TEST(FromCapture, PrescribedClipsAndTheirForces) {
   EXPECT_LT(residuals.cwiseAbs().maxCoeff(), 1e-3);
 }
 
+TEST(FromCapture, ForcesAlongDirectionsThatAreAskedFor) {
+  Capture capture = pulled_square();
+  simulate_into(capture);
+  // a cord that bears all of what the clip takes is seen along any direction
+  Sheet& sheet = *capture.sheet;
+  const auto own = sequence_from_capture(capture, same_grid()).value();
+  FromCaptureOptions options = same_grid();
+  options.forces = {{"moved", {0.0, 0.0, 2.0}, false}, {"moved", {1.0, 0.0, 0.0}, true}};
+  const auto captured = sequence_from_capture(capture, options);
+  ASSERT_TRUE(captured) << captured.error().message;
+  ASSERT_EQ(captured->sequence.forces.size(), 2U);
+  for (std::size_t f = 0; f < 4; ++f) {
+    const Eigen::VectorXd& values = captured->sequence.frames[f].forces_N;
+    const double tension = sheet.cords[0].tension_N[f];
+    EXPECT_NEAR(own.sequence.frames[f].forces_N[0], tension, 1e-12);
+    EXPECT_NEAR(values[0], 0.6 * tension, 1e-12);
+    const Eigen::Vector3d along = captured->sequence.frames[f].clips[1].rotation.col(0);
+    EXPECT_NEAR(values[1], tension * along.dot(Eigen::Vector3d(0.8, 0.0, 0.6)), 1e-12);
+    EXPECT_GT(values[1], 0.1 * tension);
+  }
+  EXPECT_TRUE(captured->sequence.forces[1].turns_with_clip);
+  EXPECT_NEAR(captured->sequence.forces[0].sigma_N, 0.6 * 0.002, 1e-12);
+  options.forces = {{"third", {1.0, 0.0, 0.0}, false}};
+  EXPECT_EQ(sequence_from_capture(capture, options).error().message,
+            "square: a force is asked for of clip \"third\", which is not there, or along no "
+            "direction");
+}
+
 TEST(FromCapture, AFreeClipMovesUnderItsCords) {
   Capture capture = pulled_square();
   Sheet& sheet = *capture.sheet;

@@ -16,10 +16,12 @@
 #include "common/h5/writer.h"
 #include "common/report/residual_file.h"
 #include "tests/common/capture/support.h"
+#include "tests/fault/mutated.h"
 
 namespace tenter::capture {
 namespace {
 
+using fault::mutated;
 using test::bytes_of;
 using test::get_file;
 using test::message_of;
@@ -223,21 +225,6 @@ TEST(HostileCaptures, EveryTruncationIsRefused) {
     ASSERT_FALSE(capture) << size;
     EXPECT_EQ(capture.error().kind, ErrorKind::bad_input);
   }
-}
-
-/// Bytes changed at random, mostly where the structure is; sometimes cut or grown too.
-std::string mutated(std::string bytes, std::mt19937& generator) {
-  const unsigned count = 1 + generator() % 6;
-  for (unsigned i = 0; i < count; ++i) {
-    const std::size_t range =
-        generator() % 5 == 0 ? bytes.size() : std::min<std::size_t>(bytes.size(), 8192);
-    static constexpr unsigned char kNasty[] = {0x00, 0xff, 0x7f, 0x80};
-    const unsigned choice = generator() % 5;
-    bytes[generator() % range] = static_cast<char>(choice < 4 ? kNasty[choice] : generator() % 256);
-  }
-  if (generator() % 10 == 0) bytes.resize(100 + generator() % (bytes.size() - 100));
-  if (generator() % 20 == 0) bytes.append(generator() % 5000, '\x55');
-  return bytes;
 }
 
 TEST(HostileCaptures, MutatedFilesAreRefusedOrEqual) {

@@ -25,7 +25,7 @@ const fs::path& root() {
 const std::map<std::string, std::set<std::string>>& arrows() {
   static const std::set<std::string> common = {"common/base",   "common/h5",    "common/capture",
                                                "common/model",  "common/scene", "common/frames",
-                                               "common/report", "common/wire"};
+                                               "common/report", "common/wire",  "common/mesh_text"};
   static const auto with = [](std::set<std::string> rooms, const std::set<std::string>& more) {
     rooms.insert(more.begin(), more.end());
     return rooms;
@@ -34,13 +34,14 @@ const std::map<std::string, std::set<std::string>>& arrows() {
       {"idl", {}},
       {"common/base", {}},
       {"common/h5", {"common/base"}},
-      {"common/capture", {"common/base", "common/h5"}},
+      {"common/capture", {"common/base", "common/h5", "common/mesh_text"}},
+      {"common/mesh_text", {"common/base"}},
       {"common/model", {"common/base"}},
       {"common/scene", {"common/base"}},
       {"common/frames", {"common/base", "common/h5"}},
       {"common/report", {"common/base", "common/h5", "common/capture", "common/model"}},
       {"common/wire", {"common/base", "idl"}},
-      {"server/mechanics", {"common/base", "common/model", "common/scene"}},
+      {"server/mechanics", {"common/base", "common/mesh_text", "common/model", "common/scene"}},
       {"server/estimation", with(common, {"server/mechanics"})},
       {"server/diagnosis", with(common, {"server/mechanics", "server/estimation"})},
       {"server/jobs", with(common, {"server/mechanics", "server/estimation", "server/diagnosis"})},

@@ -15,12 +15,14 @@
 #include "common/capture/sheet_import/sheet_tables.h"
 #include "common/capture/sheet_import/sheet_tracks.h"
 #include "common/capture/validate.h"
+#include "common/mesh_text/mesh_text.h"
 
 namespace tenter::capture {
 
 namespace {
 
 constexpr std::size_t kMaxDescriptionBytes = 16000000;
+constexpr double kFlatness = 1e-5;  // of its extent
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// The import of one sheet, step by step; each step fills one part of the capture.
@@ -85,8 +87,35 @@ class SheetImport {
         return ok;
     if (!description_.mesh) return {};
     const MeshSpec& mesh = *description_.mesh;
+    if (!mesh.file.empty()) return read_mesh_file(mesh);
     if (auto ok = read_vertices(mesh); !ok) return ok;
     return mesh.triangles ? read_triangles(*mesh.triangles) : Expected<void>();
+  }
+
+  /// Texture coordinates, or the places of a sheet that lies in a plane of the file's x and y.
+  Expected<void> read_mesh_file(const MeshSpec& mesh) {
+    const std::string path = folder_.path_of(mesh.file);
+    const Expected<std::string> bytes = read_text_file(path, kMaxCsvBytes);
+    if (!bytes) return tl::unexpected(bytes.error());
+    const auto read = mesh_text::read_surface_text(*bytes, mesh.metres_per_unit);
+    if (!read) return bad_input(path + ": " + read.error().message + ".");
+    Eigen::Matrix2Xd material = read->texture * mesh.metres_per_texture_unit;
+    if (material.cols() == 0) {
+      const Eigen::Vector3d size =
+          read->positions_m.rowwise().maxCoeff() - read->positions_m.rowwise().minCoeff();
+      if (!(size.z() <= kFlatness * size.norm()))
+        return bad_input(path +
+                         ": has no texture coordinates, and does not lie in a plane of x and y "
+                         "either, so its places in the material are not known.");
+      material = read->positions_m.topRows<2>();
+    }
+    for (Eigen::Index k = 0; k < material.cols(); ++k)
+      if (auto ok = add_vertex(std::to_string(mesh.first_vertex + k),
+                               {material(0, k), material(1, k)}, kNaN, path);
+          !ok)
+        return ok;
+    sheet().triangles = read->triangles;
+    return {};
   }
 
   Expected<void> read_vertices(const MeshSpec& mesh) {

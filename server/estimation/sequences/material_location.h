@@ -6,6 +6,7 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "server/mechanics/mesh/surface_mesh.h"
 
@@ -27,5 +28,10 @@ struct MaterialLocation {
 /// in the number of triangles.
 std::optional<MaterialLocation> locate(const mechanics::SurfaceMesh& mesh,
                                        const Eigen::Vector2d& material_m);
+
+/// The same among some triangles, in this order.
+std::optional<MaterialLocation> locate(const mechanics::SurfaceMesh& mesh,
+                                       const Eigen::Vector2d& material_m,
+                                       const std::vector<int>& triangles);
 
 }  // namespace tenter::estimation

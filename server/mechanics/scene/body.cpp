@@ -91,7 +91,7 @@ Expected<SceneBody> body_of(const scene::FileMesh& file, const scene::Scene& sce
     if (!read) return tl::unexpected(read.error());
     return solid(std::move(read->mesh), scene);
   }
-  const auto read = read_surface_text(file.bytes, file.metres_per_unit);
+  const auto read = mesh_text::read_surface_text(file.bytes, file.metres_per_unit);
   if (!read) return tl::unexpected(read.error());
   auto mesh = surface_mesh(*read, file.metres_per_texture_unit);
   if (!mesh) return tl::unexpected(mesh.error());

@@ -6,16 +6,16 @@
 #include <string>
 #include <utility>
 
+#include "common/mesh_text/words.h"
 #include "server/mechanics/mesh/solid_text.h"
-#include "server/mechanics/mesh/text/words.h"
 
 namespace tenter::mechanics {
 
 namespace {
 
-using text::Lines;
-using text::quoted;
-using text::Words;
+using mesh_text::Lines;
+using mesh_text::quoted;
+using mesh_text::Words;
 
 constexpr const char* kWhat = "MSH";
 constexpr std::int64_t kTetrahedron = 4;
@@ -46,7 +46,7 @@ struct Msh {
 Expected<std::int64_t> integer(const Lines& lines, Words& words, const char* name) {
   std::int64_t value = 0;
   const std::string_view word = words.next();
-  if (!text::to_integer(word, value))
+  if (!mesh_text::to_integer(word, value))
     return lines.fail(kWhat, std::string(name) + " is not an integer: " + quoted(word));
   return value;
 }
@@ -71,7 +71,7 @@ Expected<Eigen::Vector3d> place(const Lines& lines, Words& words) {
   Eigen::Vector3d x;
   for (int k = 0; k < 3; ++k) {
     const std::string_view word = words.next();
-    if (!text::to_number(word, x[k]))
+    if (!mesh_text::to_number(word, x[k]))
       return lines.fail(kWhat, "coordinate " + quoted(word) + " is not a finite number");
   }
   return x;

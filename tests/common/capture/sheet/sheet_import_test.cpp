@@ -165,6 +165,38 @@ TEST(SheetImport, ColumnsForEveryPointAndPlacesFromTheFirstFrame) {
   expect_round_trip(*capture);
 }
 
+TEST(SheetImport, AMeshFromAnotherProgram) {
+  const TempFolder folder;
+  put_file(folder.path("sheet.obj"),
+           "v 0 0 5\nv 90 0 1\nv 100 80 0\nv 0 95 0\n"
+           "vt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
+  put_file(folder.path("seen.csv"),
+           "frame,vertex,x,y,z\n1,4,0,95,1\n1,1,0,0,5\n1,2,90,0,1\n1,3,100,80,0\n");
+  json description = film();
+  description["mesh"] = {{"file", "sheet.obj"},
+                         {"unit", "mm"},
+                         {"texture_unit", {{"value", 200}, {"unit", "mm"}}},
+                         {"first_vertex", 1}};
+  description["positions"] = json::parse(R"({"unit": "mm", "columns": {
+    "frame": "frame", "vertex": "vertex", "x": "x", "y": "y", "z": "z"}})");
+  description["clips"] = json::parse(R"([{"id": "corner", "role": "free", "vertices": ["1", "4"],
+    "mass": {"value": 2, "unit": "g"}, "pose": {"unit": "mm", "position": [0, 0, 0]}}])");
+  description["cords"] = json::array();
+  put_file(folder.path("sheet.json"), description.dump());
+  const auto capture = import_sheet(folder.path("sheet.json"), folder.path("seen.csv"));
+  ASSERT_TRUE(capture) << message_of(capture);
+  const Sheet& sheet = *capture->sheet;
+  EXPECT_EQ(sheet.triangles, (std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 2, 3}}));
+  EXPECT_DOUBLE_EQ(sheet.material_m[2][0], 0.1);
+  EXPECT_DOUBLE_EQ(sheet.material_m[2][1], 0.2);
+  EXPECT_DOUBLE_EQ(sheet.position_m[sheet.at(0, 3) + 1], 0.095);
+  EXPECT_EQ(sheet.clips[0].vertices, (std::vector<int>{0, 3}));
+  expect_round_trip(*capture);
+  put_file(folder.path("sheet.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 9\n");
+  EXPECT_EQ(message_of(import_sheet(folder.path("sheet.json"), folder.path("seen.csv"))),
+            folder.path("sheet.obj") + ": OBJ, line 4: there is no node 9.");
+}
+
 TEST(SheetImport, SaysWhatItCannotUnderstand) {
   const auto complaint = [](const char* patch, const Tables& tables = {}) {
     json description = film();

@@ -13,6 +13,10 @@
 namespace tenter::mechanics {
 namespace {
 
+using mesh_text::read_obj;
+using mesh_text::read_ply;
+using mesh_text::read_surface_text;
+
 using testing::random_mesh;
 using testing::sum;
 

@@ -1,10 +1,10 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/mechanics/mesh/text/ply_header.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "common/mesh_text/ply_header.h"
 
 #include <array>
 #include <utility>
 
-namespace tenter::mechanics::text {
+namespace tenter::mesh_text {
 
 namespace {
 
@@ -130,4 +130,4 @@ Expected<PlyHeader> read_ply_header(Lines& lines) {
   return lines.fail("PLY", "the text ends before end_header");
 }
 
-}  // namespace tenter::mechanics::text
+}  // namespace tenter::mesh_text

@@ -1,11 +1,11 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/mechanics/mesh/text/words.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "common/mesh_text/words.h"
 
 #include <charconv>
 #include <cmath>
 #include <system_error>
 
-namespace tenter::mechanics::text {
+namespace tenter::mesh_text {
 
 bool Lines::next() {
   if (position_ >= text_.size()) return false;
@@ -60,4 +60,4 @@ std::string quoted(std::string_view word) {
   return shown + (word.size() > 40 ? "...'" : "'");
 }
 
-}  // namespace tenter::mechanics::text
+}  // namespace tenter::mesh_text

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 // Wavefront OBJ. Faces may name nodes that come later in the text, so they are kept as written and
 // resolved at the end; a negative index counts back from the last one before the face.
 #include <algorithm>
@@ -6,18 +6,12 @@
 #include <limits>
 #include <string>
 
-#include "server/mechanics/mesh/mesh_text.h"
-#include "server/mechanics/mesh/text/words.h"
+#include "common/mesh_text/mesh_text.h"
+#include "common/mesh_text/words.h"
 
-namespace tenter::mechanics {
+namespace tenter::mesh_text {
 
 namespace {
-
-using text::Lines;
-using text::quoted;
-using text::to_integer;
-using text::to_number;
-using text::Words;
 
 constexpr std::array<std::string_view, 14> kPassedOver = {
     "vn", "vp", "g",  "o",     "s",        "usemtl",   "mtllib",
@@ -185,4 +179,4 @@ Expected<ReadMesh> read_obj(std::string_view bytes, double metres_per_unit) {
   return mesh;
 }
 
-}  // namespace tenter::mechanics
+}  // namespace tenter::mesh_text

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 // Lines, words and numbers of a text, without copies: what the readers of this folder share.
 //
 //   Lines lines(text);
@@ -12,7 +12,7 @@
 
 #include "common/base/error.h"
 
-namespace tenter::mechanics::text {
+namespace tenter::mesh_text {
 
 /// Goes through a text line by line; line ends may be \n or \r\n.
 class Lines {
@@ -52,4 +52,4 @@ bool to_integer(std::string_view word, std::int64_t& value);
 /// A word for a message: printable, at most 40 characters, in quotes.
 std::string quoted(std::string_view word);
 
-}  // namespace tenter::mechanics::text
+}  // namespace tenter::mesh_text

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 // The data of a PLY file. A Rows object reads one row of an element after the other, from text or
 // from bytes, into a flat list of values; every number is exact in a double. Before an element is
 // read, its count is held against the bytes that are left.
@@ -10,21 +10,13 @@
 #include <limits>
 #include <string>
 
-#include "server/mechanics/mesh/mesh_text.h"
-#include "server/mechanics/mesh/text/ply_header.h"
-#include "server/mechanics/mesh/text/words.h"
+#include "common/mesh_text/mesh_text.h"
+#include "common/mesh_text/ply_header.h"
+#include "common/mesh_text/words.h"
 
-namespace tenter::mechanics {
+namespace tenter::mesh_text {
 
 namespace {
-
-using text::Lines;
-using text::PlyElement;
-using text::PlyFormat;
-using text::PlyHeader;
-using text::PlyProperty;
-using text::PlyType;
-using text::Words;
 
 /// One row: the values of each property, one after the other.
 struct Row {
@@ -82,12 +74,11 @@ class Rows {
       least += format_ == PlyFormat::ascii
                    ? 2  // a digit and what ends it
                    : size_of(property.list ? property.count_type : property.type);
-    if (least == 0)
-      return bad_input("PLY: element " + text::quoted(element.name) + " has no properties");
+    if (least == 0) return bad_input("PLY: element " + quoted(element.name) + " has no properties");
     const std::uint64_t left = remaining() + 1;  // the last line may lack its end
     if (element.count > left / least)
       return bad_input("PLY: " + std::to_string(element.count) + " rows of element " +
-                       text::quoted(element.name) + " cannot stand in the " +
+                       quoted(element.name) + " cannot stand in the " +
                        std::to_string(remaining()) + " bytes that are left");
     return {};
   }
@@ -125,8 +116,8 @@ class Rows {
   /// bad_input that names the line, or element and row in binary data.
   tl::unexpected<Error> fail(const std::string& reason) const {
     if (format_ == PlyFormat::ascii) return lines_.fail("PLY", reason);
-    return bad_input("PLY, row " + std::to_string(row_) + " of element " +
-                     text::quoted(element_->name) + ": " + reason);
+    return bad_input("PLY, row " + std::to_string(row_) + " of element " + quoted(element_->name) +
+                     ": " + reason);
   }
 
  private:
@@ -138,7 +129,7 @@ class Rows {
     if (format_ == PlyFormat::ascii) {
       const std::string_view word = words.next();
       if (word.empty()) return fail("fewer values than properties");
-      if (!text::to_number(word, out)) return fail(text::quoted(word) + " is not a finite number");
+      if (!to_number(word, out)) return fail(quoted(word) + " is not a finite number");
       return {};
     }
     if (size_of(type) > remaining()) return fail("the bytes end here");
@@ -245,7 +236,7 @@ Expected<ReadMesh> read_ply(std::string_view bytes, double metres_per_unit) {
   std::vector<std::string_view> seen;
   for (const PlyElement& element : header->elements) {
     if (std::find(seen.begin(), seen.end(), element.name) != seen.end())
-      return bad_input("PLY: element " + text::quoted(element.name) + " twice");
+      return bad_input("PLY: element " + quoted(element.name) + " twice");
     seen.push_back(element.name);
     Expected<void> read = rows.begin(element);
     if (read && element.name == "vertex")
@@ -266,4 +257,4 @@ Expected<ReadMesh> read_surface_text(std::string_view bytes, double metres_per_u
   return ply ? read_ply(bytes, metres_per_unit) : read_obj(bytes, metres_per_unit);
 }
 
-}  // namespace tenter::mechanics
+}  // namespace tenter::mesh_text

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 // The header of a PLY file: which elements follow, how many, of which properties.
 #pragma once
 
@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "common/base/error.h"
-#include "server/mechanics/mesh/text/words.h"
+#include "common/mesh_text/words.h"
 
-namespace tenter::mechanics::text {
+namespace tenter::mesh_text {
 
 enum class PlyFormat { ascii, little_endian, big_endian };
 
@@ -40,4 +40,4 @@ struct PlyHeader {
 /// the line.
 Expected<PlyHeader> read_ply_header(Lines& lines);
 
-}  // namespace tenter::mechanics::text
+}  // namespace tenter::mesh_text

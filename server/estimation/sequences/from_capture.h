@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A captured sheet (common/capture/sheet/sheet.h) as a sequence that fits can take: a mesh to
+// simulate, its clips, table and loads, and what was measured as channels.
+//
+//   auto captured = sequence_from_capture(capture, {.nodes_u = 25, .nodes_v = 25});
+//   if (!captured) return tl::unexpected(captured.error());
+//   log(in_words(captured->use));                    // what was compared and what was left out
+//   sequences.push_back(std::move(captured->sequence));
+//
+// Mesh. A grid over the specimen's rectangle of material, or the capture's own mesh. Clips clamp
+// the nodes inside their region; where the capture names vertices, the nodes between those. A
+// support holds the nodes beyond its edge, frame by frame. Clamped and held nodes lie where the
+// poses put them, flat and as at rest.
+//
+// Forces. The cords of a prescribed clip are measured: the component of their sum along its mean
+// over the frames, or along the directions that the options give; the standard deviation is that of
+// the sum along it. The cords of a free clip are loads, and its pose is only where frames start.
+//
+// Points. Every vertex that is seen, lies in the simulated mesh and in no clip is compared by its
+// place in the material; `most_points` thins them evenly. In a frame where all nodes about a vertex
+// are held, its reading tells nothing of the material and is left out.
+//
+// Frames start from the measured positions (measured_state.h). A branch of a run is a block.
+//
+// Pure; cost is linear in vertices x frames, beside one small sparse solve a frame.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/error.h"
+#include "common/capture/capture.h"
+#include "server/estimation/sequences/sequence.h"
+
+namespace tenter::estimation {
+
+struct FromCaptureOptions {
+  bool use_own_mesh = false;  ///< else a grid
+  int nodes_u = 25, nodes_v = 25;
+  mechanics::Diagonals diagonals = mechanics::Diagonals::both;  ///< bends alike in all directions
+  /// The grid's corners in the material. None: those of the capture's mesh.
+  std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rectangle_m;
+  int most_points = 0;              ///< 0: all
+  std::vector<std::size_t> frames;  ///< of the capture, rising; empty: all
+  double unknown_sigma_m = 0.0;     ///< for positions that do not say theirs; 0: an error
+  double unknown_sigma_N = 0.0;     ///< the same for tensions
+  /// Clips that are named here get these force channels in place of their own.
+  struct Force {
+    std::string clip;
+    Eigen::Vector3d direction;     ///< in space, or of the clip where it turns with that
+    bool turns_with_clip = false;  ///< see ForceChannel
+  };
+  std::vector<Force> forces;
+  bool start_from_measured = true;
+};
+
+/// What became of the capture: nothing is left out silently.
+struct CaptureUse {
+  int vertices = 0;
+  int points = 0;      ///< vertices that are compared
+  int outside = 0;     ///< of the simulated mesh
+  int in_clips = 0;    ///< hidden, or moved by the pose alone
+  int never_seen = 0;  ///< in the frames used
+  int thinned = 0;     ///< by most_points
+  int readings = 0;    ///< coordinates that are compared, over all frames
+  int missing = 0;     ///< coordinates of these points that were not seen
+  int held = 0;        ///< coordinates of these points where all nodes about them are held
+  int missing_forces = 0;
+  int frames = 0;
+  std::vector<std::size_t> dropped_frames;  ///< a free clip's cord was not measured
+  std::vector<int> clip_nodes;              ///< of each clip
+};
+
+std::string in_words(const CaptureUse& use);
+
+struct CapturedSequence {
+  Sequence sequence;
+  CaptureUse use;
+  std::vector<int> vertex;         ///< of each PointChannel
+  std::vector<std::size_t> frame;  ///< of the capture, for each frame of the sequence
+};
+
+/// bad_input names what is wrong: no sheet, no standard deviation, a clip that no node lies in, a
+/// weight without a mass, a mesh that is no rectangle and shall be a grid, no frame left.
+Expected<CapturedSequence> sequence_from_capture(const capture::Capture& capture,
+                                                 const FromCaptureOptions& options = {});
+
+}  // namespace tenter::estimation

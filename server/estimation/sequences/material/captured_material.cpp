@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/estimation/sequences/material/captured_material.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "server/estimation/sequences/material/material_locator.h"
+
+namespace tenter::estimation {
+
+namespace {
+
+using capture::Sheet;
+using capture::Vec2;
+
+constexpr double kClose = 1e-6;          // of the material's extent
+constexpr double kMostGapOfGrid = 0.01;  // of its area, that the capture's mesh may leave open
+
+Eigen::Vector2d place_of(const Vec2& place) {
+  return {place[0], place[1]};
+}
+
+std::string percent(double share) {
+  return std::to_string(static_cast<int>(std::lround(100.0 * share))) + " %";
+}
+
+double close_to(const mechanics::SurfaceMesh& mesh) {
+  const Eigen::Vector2d size =
+      mesh.material_m.rowwise().maxCoeff() - mesh.material_m.rowwise().minCoeff();
+  return kClose * size.maxCoeff();
+}
+
+Expected<mechanics::SurfaceMesh> mesh_of(const Sheet& sheet) {
+  if (sheet.triangles.empty())
+    return bad_input("the capture has points without triangles, so no mesh of its own");
+  Eigen::Matrix2Xd material(2, static_cast<Eigen::Index>(sheet.vertex_count()));
+  for (std::size_t k = 0; k < sheet.vertex_count(); ++k)
+    material.col(static_cast<Eigen::Index>(k)) = place_of(sheet.material_m[k]);
+  return mechanics::make_surface_mesh(std::move(material), sheet.triangles);
+}
+
+/// The rectangle that a captured mesh fills, or what speaks against it.
+Expected<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rectangle_of(const Sheet& sheet) {
+  const auto mesh = mesh_of(sheet);
+  if (!mesh) return bad_input(mesh.error().message + "; a rectangle of the material must be given");
+  const Eigen::Vector2d lo = mesh->material_m.rowwise().minCoeff();
+  const Eigen::Vector2d hi = mesh->material_m.rowwise().maxCoeff();
+  const std::vector<double> areas = mechanics::triangle_areas_m2(*mesh);
+  const double share = std::accumulate(areas.begin(), areas.end(), 0.0) / (hi - lo).prod();
+  if (!(std::abs(share - 1.0) <= kMostGapOfGrid))
+    return bad_input("the captured mesh fills " + percent(share) +
+                     " of its rectangle, so a grid would be another specimen; its own mesh can be "
+                     "simulated");
+  return std::pair(lo, hi);
+}
+
+}  // namespace
+
+mechanics::Pose pose_of(const capture::RigidPose& pose) {
+  const auto& [w, x, y, z] = pose.rotation;
+  return {Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix(),
+          {pose.position_m[0], pose.position_m[1], pose.position_m[2]}};
+}
+
+Expected<mechanics::Cloth> cloth_of(const Sheet& sheet, const FromCaptureOptions& options) {
+  if (options.use_own_mesh) {
+    auto mesh = mesh_of(sheet);
+    if (!mesh) return tl::unexpected(mesh.error());
+    return mechanics::cloth_of_mesh(std::move(*mesh));
+  }
+  auto rectangle = options.rectangle_m;
+  if (!rectangle) {
+    auto own = rectangle_of(sheet);
+    if (!own) return tl::unexpected(own.error());
+    rectangle = *own;
+  }
+  const auto& [lo, hi] = *rectangle;
+  auto cloth = mechanics::cloth_of_grid(
+      {options.nodes_u, options.nodes_v, hi.x() - lo.x(), hi.y() - lo.y()}, options.diagonals);
+  if (cloth) cloth->mesh.material_m.colwise() += lo;
+  return cloth;
+}
+
+bool contains(const std::vector<Vec2>& region_m, const Eigen::Vector2d& material_m,
+              double close_m) {
+  bool is_inside = false;
+  for (std::size_t k = 0; k < region_m.size(); ++k) {
+    const Eigen::Vector2d a = place_of(region_m[k]);
+    const Eigen::Vector2d b = place_of(region_m[(k + 1) % region_m.size()]);
+    const Eigen::Vector2d along = b - a;
+    const double length2 = along.squaredNorm();
+    const double share =
+        length2 > 0.0 ? std::clamp((material_m - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+    if ((material_m - a - share * along).norm() <= close_m) return true;
+    if ((a.y() > material_m.y()) == (b.y() > material_m.y())) continue;
+    const double crossing = a.x() + (material_m.y() - a.y()) / (b.y() - a.y()) * along.x();
+    if (material_m.x() < crossing) is_inside = !is_inside;
+  }
+  return is_inside;
+}
+
+Expected<std::vector<std::vector<int>>> clamped_nodes(const Sheet& sheet,
+                                                      const mechanics::SurfaceMesh& mesh,
+                                                      bool is_own_mesh) {
+  std::vector<std::vector<int>> nodes(sheet.clips.size());
+  const double close_m = close_to(mesh);
+  std::optional<mechanics::SurfaceMesh> captured;
+  std::optional<MaterialLocator> locator;
+  std::vector<int> owner(static_cast<std::size_t>(mesh.node_count()), -1);
+  for (std::size_t c = 0; c < sheet.clips.size(); ++c) {
+    const capture::ClipTrack& clip = sheet.clips[c];
+    if (!clip.vertices.empty() && !is_own_mesh && !locator) {
+      auto made = mesh_of(sheet);
+      if (!made) return tl::unexpected(made.error());
+      captured.emplace(std::move(*made));
+      locator.emplace(*captured);
+    }
+    std::vector<bool> has_vertex(sheet.vertex_count(), false);
+    for (const int vertex : clip.vertices) has_vertex[static_cast<std::size_t>(vertex)] = true;
+    const auto is_clamped = [&](int node) {
+      const Eigen::Vector2d place = mesh.material_m.col(node);
+      if (clip.vertices.empty()) return contains(clip.region_m, place, close_m);
+      if (is_own_mesh) return static_cast<bool>(has_vertex[static_cast<std::size_t>(node)]);
+      const auto at = locator->locate(place);
+      if (!at) return false;
+      for (std::size_t a = 0; a < 3; ++a)
+        if (std::abs(at->weight[a]) > kClose && !has_vertex[static_cast<std::size_t>(at->nodes[a])])
+          return false;
+      return true;
+    };
+    for (int node = 0; node < mesh.node_count(); ++node) {
+      if (!is_clamped(node)) continue;
+      int& of = owner[static_cast<std::size_t>(node)];
+      if (of >= 0)
+        return bad_input("clips \"" + sheet.clips[static_cast<std::size_t>(of)].id + "\" and \"" +
+                         clip.id + "\" clamp the same node of the simulated mesh");
+      of = static_cast<int>(c);
+      nodes[c].push_back(node);
+    }
+    if (nodes[c].empty())
+      return bad_input("clip \"" + clip.id +
+                       "\" clamps no node of the simulated mesh; a finer one may have some there");
+  }
+  return nodes;
+}
+
+std::vector<bool> vertices_in_clips(const Sheet& sheet, const mechanics::SurfaceMesh& mesh) {
+  const double close_m = close_to(mesh);
+  std::vector<bool> is_in(sheet.vertex_count(), false);
+  for (const capture::ClipTrack& clip : sheet.clips) {
+    for (const int vertex : clip.vertices) is_in[static_cast<std::size_t>(vertex)] = true;
+    if (!clip.region_m.empty())
+      for (std::size_t k = 0; k < sheet.vertex_count(); ++k)
+        if (contains(clip.region_m, place_of(sheet.material_m[k]), close_m)) is_in[k] = true;
+  }
+  return is_in;
+}
+
+HeldNodes held_nodes(const Sheet& sheet, std::size_t frame, const mechanics::SurfaceMesh& mesh,
+                     const std::vector<bool>& is_clamped) {
+  HeldNodes held;
+  const double close_m = close_to(mesh);
+  std::vector<Eigen::Vector3d> places;
+  for (int node = 0; node < mesh.node_count(); ++node) {
+    if (is_clamped[static_cast<std::size_t>(node)]) continue;
+    const Eigen::Vector2d place = mesh.material_m.col(node);
+    for (const capture::SupportTrack& support : sheet.supports) {
+      const double beyond = place[support.along == 'u' ? 0 : 1] - support.edge_m[frame];
+      if ((support.bears_above ? beyond : -beyond) < -close_m) continue;
+      held.nodes.push_back(node);
+      places.push_back(pose_of(support.pose[frame]).to_space({place.x(), place.y(), 0.0}));
+      break;
+    }
+  }
+  held.place_m.resize(3, static_cast<Eigen::Index>(places.size()));
+  for (std::size_t k = 0; k < places.size(); ++k)
+    held.place_m.col(static_cast<Eigen::Index>(k)) = places[k];
+  return held;
+}
+
+std::vector<int> spread_evenly(const std::vector<Vec2>& material_m,
+                               const std::vector<int>& candidates, int count) {
+  if (count <= 0 || candidates.size() <= static_cast<std::size_t>(count)) return candidates;
+  const auto place = [&](std::size_t k) {
+    return place_of(material_m[static_cast<std::size_t>(candidates[k])]);
+  };
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (std::size_t k = 0; k < candidates.size(); ++k) middle += place(k);
+  middle /= static_cast<double>(candidates.size());
+  std::size_t next = 0;
+  for (std::size_t k = 1; k < candidates.size(); ++k)
+    if ((place(k) - middle).squaredNorm() < (place(next) - middle).squaredNorm()) next = k;
+  std::vector<double> distance2(candidates.size(), std::numeric_limits<double>::infinity());
+  std::vector<int> chosen;
+  while (chosen.size() < static_cast<std::size_t>(count)) {
+    chosen.push_back(candidates[next]);
+    const Eigen::Vector2d last = place(next);
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      distance2[k] = std::min(distance2[k], (place(k) - last).squaredNorm());
+    next = static_cast<std::size_t>(std::max_element(distance2.begin(), distance2.end()) -
+                                    distance2.begin());
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+}  // namespace tenter::estimation

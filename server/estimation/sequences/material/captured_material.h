@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Private to from_capture: the simulated mesh of a captured sheet, and which of its nodes and of
+// the capture's vertices a clip or a support has.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/base/error.h"
+#include "common/capture/sheet/sheet.h"
+#include "server/estimation/sequences/from_capture.h"
+#include "server/mechanics/conditions/boundary.h"
+
+namespace tenter::estimation {
+
+mechanics::Pose pose_of(const capture::RigidPose& pose);
+
+/// The grid or the capture's own mesh, as cloth.
+Expected<mechanics::Cloth> cloth_of(const capture::Sheet& sheet, const FromCaptureOptions& options);
+
+/// Inside a region of the material or on its border, up to `close_m`.
+bool contains(const std::vector<capture::Vec2>& region_m, const Eigen::Vector2d& material_m,
+              double close_m);
+
+/// Nodes of the mesh that each clip clamps. A node that two clips have is bad_input, and so is a
+/// clip without nodes.
+Expected<std::vector<std::vector<int>>> clamped_nodes(const capture::Sheet& sheet,
+                                                      const mechanics::SurfaceMesh& mesh,
+                                                      bool is_own_mesh);
+
+/// For each vertex of the capture: is it in a clip?
+std::vector<bool> vertices_in_clips(const capture::Sheet& sheet,
+                                    const mechanics::SurfaceMesh& mesh);
+
+/// Nodes that lie on a support in a frame, and where it puts them.
+struct HeldNodes {
+  std::vector<int> nodes;
+  Eigen::Matrix3Xd place_m;
+};
+HeldNodes held_nodes(const capture::Sheet& sheet, std::size_t frame,
+                     const mechanics::SurfaceMesh& mesh, const std::vector<bool>& is_clamped);
+
+/// `count` of the candidates, spread evenly over the material: each one the farthest from those
+/// before it, beginning at the middle. In rising order.
+std::vector<int> spread_evenly(const std::vector<capture::Vec2>& material_m,
+                               const std::vector<int>& candidates, int count);
+
+}  // namespace tenter::estimation

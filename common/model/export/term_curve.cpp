@@ -76,6 +76,13 @@ TermCurve::Value TermCurve::basis(int j, double strain) const {
   }
   const auto weight = [j](int point) { return j == point ? 1.0 : 0.0; };
   const auto slope = [&](int point) {
+    const bool is_end = point == 0 || point == points_ - 1;
+    if (form_ == Form::hermite_energy && is_end &&
+        points_ > 2) {  // of the parabola of three points
+      const int inward = point == 0 ? 1 : -1;
+      return 0.5 * inward *
+             (-3.0 * weight(point) + 4.0 * weight(point + inward) - weight(point + 2 * inward));
+    }
     const int lower = std::max(point - 1, 0);
     const int upper = std::min(point + 1, points_ - 1);
     return (weight(upper) - weight(lower)) / (upper - lower);

@@ -20,8 +20,10 @@ double curvature(const double* c, double t) {
 }  // namespace
 
 // Between points i and i + 1: h00 w_i + h10 m_i + h01 w_(i+1) + h11 m_(i+1), m_i = (w_(i+1) -
-// w_(i-1))/2, one-sided at the ends. A continuation is the Taylor polynomial of its end, of second
-// degree; before the first point it is that of t + 1 = distance from one interval earlier.
+// w_(i-1))/2, at the ends of the parabola through three points: one-sided differences would bend
+// every energy down there, so that none but a straight one could be convex. A continuation is the
+// Taylor polynomial of its end, of second degree; before the first point it is that of t + 1 =
+// distance from one interval earlier.
 HermiteEnergyLaw::HermiteEnergyLaw(int points, double range_lo, double range_hi)
     : Law(1, points, 0),
       intervals_(points - 1),
@@ -30,9 +32,12 @@ HermiteEnergyLaw::HermiteEnergyLaw(int points, double range_lo, double range_hi)
   for (int j = 0; j < points; ++j) {
     const auto weight = [j](int point) { return j == point ? 1.0 : 0.0; };
     const auto slope_at = [&](int point) {
-      const int lower = std::max(point - 1, 0);
-      const int upper = std::min(point + 1, points - 1);
-      return (weight(upper) - weight(lower)) / (upper - lower);
+      if (points == 2) return weight(1) - weight(0);
+      if (point > 0 && point + 1 < points) return 0.5 * (weight(point + 1) - weight(point - 1));
+      const int end = point == 0 ? 0 : points - 1;
+      const int inward = point == 0 ? 1 : -1;
+      return 0.5 * inward *
+             (-3.0 * weight(end) + 4.0 * weight(end + inward) - weight(end + 2 * inward));
     };
     std::vector<Piece> inside;
     for (int i = 0; i < intervals_; ++i) {

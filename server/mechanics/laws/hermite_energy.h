@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Energy interpolated between control points (thesis 4.2): Psi(eps) = sum_j phi_j(eps) w_j with phi
-// the cubic Hermite basis on even points over [range_lo, range_hi], slopes by central differences.
+// the cubic Hermite basis on even points over [range_lo, range_hi], slopes by central differences,
+// at the ends of the parabola through three points: quadratic energies are exact, and convex ones
+// possible.
 //
 // The energy counts from rest (Psi(0) is taken off), so a constant added to all w_j changes
 // nothing; at rest it may have a stress. It is once continuously differentiable: the tangent jumps

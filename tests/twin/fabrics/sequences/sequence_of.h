@@ -19,7 +19,7 @@ namespace tenter::twin {
 
 struct GridOptions {
   int nodes = 25;  ///< a side; nodes - 1 is a multiple of the protocol's cells
-  mechanics::Diagonals diagonals = mechanics::Diagonals::alternating;
+  mechanics::Diagonals diagonals = mechanics::Diagonals::both;  ///< see fabric_model.h
   /// Material places that are seen; none: all nodes.
   std::vector<Eigen::Vector2d> points_m = {};
   double point_sigma_m = 7.5e-5;  ///< thesis 3.2.3

@@ -33,10 +33,11 @@ Expected<CrossTwin> cross_twin(const Fabric& fabric, const Protocol& protocol,
         if (table->contains(sequence.points[k].material_m))
           frame.points_m.col(static_cast<Eigen::Index>(k))
               .setConstant(std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t k = 0; k < sequence.forces.size(); ++k)
-      frame.forces_N[static_cast<Eigen::Index>(k)] =
-          sheet.clip_force_N[f][static_cast<std::size_t>(sequence.forces[k].clip)].dot(
-              sequence.forces[k].direction);
+    for (std::size_t k = 0; k < sequence.forces.size(); ++k) {
+      const auto clip = static_cast<std::size_t>(sequence.forces[k].clip);
+      frame.forces_N[static_cast<Eigen::Index>(k)] = sheet.clip_force_N[f][clip].dot(
+          frame.clips[clip].rotation * sequence.forces[k].direction);
+    }
     mechanics::State start;
     const Eigen::Matrix3Xd nodes = sheet.positions_m[f].rightCols(mesh.node_count());
     start.x = Eigen::Map<const Eigen::VectorXd>(nodes.data(), nodes.size());

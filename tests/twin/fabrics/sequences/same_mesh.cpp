@@ -60,7 +60,8 @@ void record(const State& state, const Eigen::VectorXd& by_node, std::size_t f, S
     Eigen::Vector3d borne = -clip.mass_kg * sequence.loads.gravity_m_s2;
     for (const int node : clip.nodes)
       borne += by_node.segment<3>(3 * static_cast<Eigen::Index>(node));
-    frame.forces_N[static_cast<Eigen::Index>(k)] = borne.dot(sequence.forces[k].direction);
+    const auto& turn = frame.clips[static_cast<std::size_t>(sequence.forces[k].clip)].rotation;
+    frame.forces_N[static_cast<Eigen::Index>(k)] = borne.dot(turn * sequence.forces[k].direction);
   }
 }
 
@@ -99,6 +100,7 @@ Expected<MeasuredTwin> measure_model(const model::Model& description, Sequence s
                        describe(*solved, options));
     state = trial;
     record(state, solved->by_node, f, sequence);
+    sequence.frames[f].start = state;
     twin.states.push_back(state);
     twin.by_node_N.push_back(std::move(solved->by_node));
   }

@@ -4,7 +4,8 @@
 //
 // Clips are prescribed (their poses are seen). What lies on the table is held, with one boundary
 // for each place of the edge. Channels: the points asked for that no clip covers, and of each clip
-// the cords' force along its pull; where the sheet shears also the force across it.
+// the cords' force along its pull; but for stretch then also the force across it, which of the
+// picture frame is the one parallel to the clip (thesis 3.4.1). Directions turn with the clips.
 //
 //   Sequence s = sequence_of(fabric, make_protocol(fabric, "shear"), {.nodes = 25});
 #pragma once

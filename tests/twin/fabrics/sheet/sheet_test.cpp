@@ -162,7 +162,7 @@ TEST(SheetTwin, PulledCanBeReadOffTheCurve) {
       const double e = protocol.frames[f].poses[1].position_m.y() / free_m;
       const double want_N =
           cloth.side_m * cloth.curve(Mode::stretch_v).at(e + 0.5 * e * e).stress * (1.0 + e);
-      EXPECT_GT(want_N, 1.0);
+      EXPECT_GT(want_N, 0.5);
       EXPECT_NEAR(twin.clip_force_N[f][1].y(), want_N, 1e-3 * want_N) << id << f;
       EXPECT_NEAR(twin.clip_force_N[f][0].y(), -twin.clip_force_N[f][1].y(), 1e-6);
     }

@@ -38,7 +38,7 @@ Fabric satin() {
           .name = "cotton satin",
           .mass_kg = 1.2e-3,
           .curves = Curves{stretch, stretch, both_ways(0.4, {28.0, 30.0, 36.0}), constant(4e-6),
-                           constant(4e-6), constant(2e-6)},
+                           constant(4e-6), constant(3e-6)},
           .loops = loops(1.5, 0.035, 0.035),
           .limits = {0.03, 0.03, 0.3, 0.01, 0.01, 0.12, 3e-3}};
 }
@@ -49,22 +49,22 @@ Fabric knit() {
           .name = "rayon/spandex knit",
           .mass_kg = 3.1e-3,
           .curves = Curves{stretch, stretch, constant(20.0), constant(2.5e-6), constant(2.5e-6),
-                           constant(1.2e-6)},
+                           constant(1.9e-6)},
           .loops = loops(1.4, 0.6, 0.6),
           .limits = {0.45, 0.45, 0.25, 0.15, 0.15, 0.25, 8e-3}};
 }
 
 Fabric denim() {
-  return {.id = "14",
-          .name = "cotton denim",
-          .mass_kg = 4.6e-3,
-          .curves =
-              Curves{StiffnessCurve{0.0, 0.05, {1500.0, 3000.0, 5000.0, 6500.0}},
-                     StiffnessCurve{0.0, 0.05, {1700.0, 3300.0, 5400.0, 6900.0}},
-                     both_ways(0.4, {300.0, 320.0, 400.0}),
-                     both_ways(120.0, {1.98e-4, 1.9e-4, 1.7e-4}), constant(6e-6), constant(1.5e-5)},
-          .loops = loops(1.8, 0.05, 0.05),
-          .limits = {0.045, 0.045, 0.15, 0.025, 0.025, 0.1, 3e-3}};
+  return {
+      .id = "14",
+      .name = "cotton denim",
+      .mass_kg = 4.6e-3,
+      .curves = Curves{StiffnessCurve{0.0, 0.05, {1500.0, 3000.0, 5000.0, 6500.0}},
+                       StiffnessCurve{0.0, 0.05, {1700.0, 3300.0, 5400.0, 6900.0}},
+                       both_ways(0.4, {300.0, 320.0, 400.0}),
+                       both_ways(120.0, {1.98e-4, 1.9e-4, 1.7e-4}), constant(6e-6), constant(8e-5)},
+      .loops = loops(1.8, 0.05, 0.05),
+      .limits = {0.045, 0.045, 0.15, 0.025, 0.025, 0.1, 3e-3}};
 }
 
 Fabric wool() {
@@ -74,7 +74,7 @@ Fabric wool() {
           .curves = Curves{StiffnessCurve{0.0, 0.05, {800.0, 2000.0, 4500.0, 6000.0}},
                            StiffnessCurve{0.0, 0.3, {80.0, 200.0, 450.0, 600.0}},
                            both_ways(0.4, {28.0, 30.0, 40.0}), constant(6.5e-5), constant(5e-6),
-                           constant(9e-6)},
+                           constant(2.6e-5)},
           .loops = loops(1.6, 0.05, 0.3),
           .limits = {0.045, 0.24, 0.3, 0.02, 0.08, 0.12, 3e-3}};
 }

@@ -19,6 +19,9 @@
 // with Green strains (thesis (3.3)) and K_ab = x,ab . n by material coordinates, each psi of its
 // curve.
 //
+// Every mode that twists has one stiffness, above a quarter of B_u + B_v: less, a hinge mesh cannot
+// say.
+//
 // Data; shares nothing with server/.
 #pragma once
 

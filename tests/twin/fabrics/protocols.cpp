@@ -48,8 +48,9 @@ Protocol stretch(const Fabric& fabric, bool along_u, const ProtocolOptions& opti
   const double farthest_m =
       (side - 2.0 * depth) * (along_u ? fabric.limits.stretch_u : fabric.limits.stretch_v);
   constexpr double kTaut = 0.06;  // share of the way that keeps the sheet from hanging through
+  constexpr int kFewest = 18;  // with which three loops see several elongations
   for (int f = 0; f < options.frames; ++f) {
-    const Phase phase = loop_phase(f, options.frames, 3);
+    const Phase phase = loop_phase(f, options.frames, options.frames < kFewest ? 1 : 3);
     const double way_m = farthest_m * (kTaut + (1.0 - kTaut) * phase.value);
     p.frames.push_back({{ClipPose{}, shifted(way_m * out)}, {}, phase.branch});
   }

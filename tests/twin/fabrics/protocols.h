@@ -3,6 +3,7 @@
 // sequences.
 //
 //   stretch_u, stretch_v   two bar clips on opposite sides, pulled apart and released, three loops
+//                          (one where there are fewer than 18 frames)
 //   shear                  picture frame of four long clips, pulled a little apart, then sheared to
 //                          one side and to the other
 //   bend_u, bend_v         pushed over the edge of a table and pulled back, hanging by its weight

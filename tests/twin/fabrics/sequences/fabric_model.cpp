@@ -26,6 +26,9 @@ model::Model fabric_model(const Fabric& fabric) {
         *model::find_law(law.name), points, m < 3 ? model::Domain::membrane : model::Domain::hinge);
     for (std::size_t i = 0; i < curve.k.size(); ++i) law.parameters[i].value = curve.k[i] / scale;
   }
+  const auto at_rest = [&](Mode mode) { return fabric.curve(mode).stiffness(0.0); };
+  model.terms[5].law.parameters.front().value =
+      (at_rest(Mode::bend_twist) - 0.25 * (at_rest(Mode::bend_u) + at_rest(Mode::bend_v))) / 3.0;
   return model;
 }
 

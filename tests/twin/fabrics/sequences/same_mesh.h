@@ -6,6 +6,10 @@
 // where it does not get there Newton's method finishes, and `finished_by_newton` says in how many
 // frames.
 //
+// Every frame starts where the sheet truly is: the measured configuration of thesis 3.4.1. (From
+// another start a fit may stay on another buckled shape: the frame of #18 then ends at 50 times the
+// noise floor.)
+//
 //   auto twin = same_mesh_twin(fabric, protocol, {.nodes = 13});
 //   Random random(stream_seed(seed, "rig"));
 //   add_rig_noise({}, random, twin->sequence);

@@ -79,11 +79,15 @@ void add_channels(const Protocol& protocol, const GridOptions& options, Sequence
   const bool is_stretch = protocol.name.starts_with("stretch");
   for (std::size_t c = 0; c < protocol.clips.size(); ++c) {
     const ProtocolClip& clip = protocol.clips[c];
-    const double sigma_N = options.force_sigma_N * std::sqrt(cord_count(clip));
-    sequence.forces.push_back({static_cast<int>(c), clip.pull, sigma_N});
-    if (!is_stretch)
-      sequence.forces.push_back(
-          {static_cast<int>(c), Eigen::Vector3d::UnitZ().cross(clip.pull), sigma_N});
+    estimation::ForceChannel force;
+    force.clip = static_cast<int>(c);
+    force.sigma_N = options.force_sigma_N * std::sqrt(cord_count(clip));
+    force.turns_with_clip = true;
+    force.direction = clip.pull;
+    sequence.forces.push_back(force);
+    if (is_stretch) continue;
+    force.direction = Eigen::Vector3d::UnitZ().cross(clip.pull);
+    sequence.forces.push_back(force);
   }
 }
 

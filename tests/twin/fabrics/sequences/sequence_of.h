@@ -4,7 +4,8 @@
 //
 // Clips are prescribed (their poses are seen). What lies on the table is held, with one boundary
 // for each place of the edge. Channels: the points asked for that no clip covers, and of each clip
-// the cords' force along its pull; where the sheet shears also the force across it.
+// the cords' force along its pull; but for stretch then also the force across it, which of the
+// picture frame is the one parallel to the clip (thesis 3.4.1). Directions turn with the clips.
 //
 //   Sequence s = sequence_of(fabric, make_protocol(fabric, "shear"), {.nodes = 25});
 #pragma once
@@ -19,7 +20,7 @@ namespace tenter::twin {
 
 struct GridOptions {
   int nodes = 25;  ///< a side; nodes - 1 is a multiple of the protocol's cells
-  mechanics::Diagonals diagonals = mechanics::Diagonals::alternating;
+  mechanics::Diagonals diagonals = mechanics::Diagonals::both;  ///< see fabric_model.h
   /// Material places that are seen; none: all nodes.
   std::vector<Eigen::Vector2d> points_m = {};
   double point_sigma_m = 7.5e-5;  ///< thesis 3.2.3

@@ -120,7 +120,9 @@ Expected<void> JobService::Impl::open() {
   if (auto done = open_queue(*engine); !done) return done;
   check_objects();
 
-  SchedulerConfig settings{work, logs, config.heartbeat, config.log};
+  auto checkpoints = Checkpoints::open(config.store / "checkpoints", *engine);
+  if (!checkpoints) return tl::unexpected(checkpoints.error());
+  SchedulerConfig settings{work, logs, std::move(*checkpoints), config.heartbeat, config.log};
   scheduler = std::make_unique<Scheduler>(*queue, *store, std::move(settings));
   auto created = LocalExecutor::create(
       {config.worker, config.parallel, config.kill_grace, [this] { scheduler->wake(); }});

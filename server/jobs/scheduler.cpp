@@ -22,7 +22,7 @@ bool is_answer(const Error& error) {
 }  // namespace
 
 Scheduler::Scheduler(Queue& queue, Store& store, SchedulerConfig config)
-    : queue_(queue), store_(store), config_(std::move(config)) {}
+    : queue_(queue), store_(store), config_(std::move(config)), checkpoints_(config_.checkpoints) {}
 
 Scheduler::~Scheduler() {
   stop();
@@ -167,7 +167,7 @@ void Scheduler::settle(ClaimKey claim, const Outcome& outcome) {
       return;  // cancelled or expired before: the row has moved on
     }
   }
-  Settlement settlement{claim, {}};
+  Settlement settlement{claim, {}, false};
   switch (outcome.ending) {
     case Ending::finished: {
       auto result = ingest(claim);
@@ -175,6 +175,7 @@ void Scheduler::settle(ClaimKey claim, const Outcome& outcome) {
         settlement.write = [this, claim, stored = *result] {
           return queue_.complete(claim, stored);
         };
+        settlement.succeeded = true;
         break;
       }
       Error error = result.error();
@@ -204,6 +205,7 @@ void Scheduler::write_settlements() {
   for (auto& settlement : unsettled_) {
     auto done = settlement.write();
     if (done || is_answer(done.error())) {
+      tidy_checkpoints(settlement.claim, done && settlement.succeeded);
       forget(settlement.claim);
     } else {
       trouble("recording the end of job " + job_id_text(settlement.claim.job), done.error());
@@ -232,6 +234,7 @@ Expected<WorkOrder> Scheduler::order_for(const JobRecord& job) {
     order.captures.emplace_back(sha256, *path);
   }
   order.folder = folder_of(order.claim);
+  order.checkpoints = checkpoints_.of(job.spec_sha256);
   order.log = log_file(job.id);
   order.time_limit_s = job.time_limit_s;
   order.memory_limit_bytes = job.memory_limit_bytes;
@@ -255,13 +258,14 @@ void Scheduler::fill_slots() {
       const std::lock_guard lock(mutex_);
       JobEvent frame{job.id,      job.revision, "", "",       job.state,
                      job.attempt, job.epoch,    0,  job.user, {}};
-      live_[claim] = Live{{}, clock_.monotonic_ms(), std::move(frame)};
+      live_[claim] = Live{{}, clock_.monotonic_ms(), std::move(frame), job.spec_sha256};
     }
     auto order = order_for(job);
     auto started = order ? executor_->start(*order) : tl::unexpected(order.error());
     if (!started) {
       unsettled_.push_back(
-          {claim, [this, claim, error = started.error()] { return queue_.fail(claim, error); }});
+          {claim, [this, claim, error = started.error()] { return queue_.fail(claim, error); },
+           false});
       write_settlements();
       if (!unsettled_.empty()) return;
       continue;
@@ -332,6 +336,22 @@ void Scheduler::forget(ClaimKey claim) {
   fs::remove_all(folder_of(claim), ignored);
   const std::lock_guard lock(mutex_);
   live_.erase(claim);
+}
+
+void Scheduler::tidy_checkpoints(ClaimKey claim, bool succeeded) {
+  std::set<std::string> running;
+  std::string ended;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [key, live] : live_) {
+      if (key == claim)
+        ended = live.spec_sha256;
+      else
+        running.insert(live.spec_sha256);
+    }
+  }
+  if (succeeded) checkpoints_.drop(ended);
+  checkpoints_.prune(running);
 }
 
 void Scheduler::trouble(const std::string& doing, const Error& error) {

@@ -20,6 +20,7 @@
 
 #include "common/base/error.h"
 #include "server/jobs/queue/queue.h"
+#include "server/jobs/store/checkpoints.h"
 #include "server/jobs/store/store.h"
 #include "server/jobs/worker/executor.h"
 
@@ -28,6 +29,7 @@ namespace tenter::jobs {
 struct SchedulerConfig {
   std::filesystem::path work;  ///< one folder per run, removed when settled
   std::filesystem::path logs;
+  Checkpoints checkpoints;
   std::chrono::milliseconds heartbeat{10000};
   std::function<void(const std::string&)> log;
 };
@@ -58,10 +60,12 @@ class Scheduler {
     std::optional<JobProgress> progress;
     std::int64_t renewed_ms = 0;  // lease written, monotonic
     JobEvent last;                // of its start, the frame of progress events
+    std::string spec_sha256;
   };
   struct Settlement {
     ClaimKey claim;
     std::function<Expected<void>()> write;
+    bool succeeded = false;
   };
 
   void run();
@@ -77,11 +81,14 @@ class Scheduler {
   std::optional<std::chrono::milliseconds> sleep_time();
   std::filesystem::path folder_of(ClaimKey claim) const;
   void forget(ClaimKey claim);
+  /// A work that ended: its checkpoints are of no more use, or are kept for the next attempt.
+  void tidy_checkpoints(ClaimKey claim, bool succeeded);
   void trouble(const std::string& doing, const Error& error);
 
   Queue& queue_;
   Store& store_;
   const SchedulerConfig config_;
+  Checkpoints checkpoints_;
   const Clock clock_ = Clock::system();
   std::function<void(const JobEvent&)> listener_;
   Executor* executor_ = nullptr;

@@ -21,6 +21,10 @@ struct JobInput {
   std::string spec_json;  ///< canonical, schema "tenter.job"; see README.md
   std::vector<std::pair<std::string, std::filesystem::path>> captures;  ///< SHA-256 -> file
   std::filesystem::path staging;  ///< existing empty folder for the result files
+  /// Of this work alone, for what a later attempt need not do again; "" where there is no such
+  /// place. It need not exist yet; what is in it was written by this program, maybe killed in the
+  /// middle.
+  std::filesystem::path checkpoints;
 };
 
 struct JobProgress {

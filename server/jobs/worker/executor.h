@@ -26,8 +26,9 @@ struct WorkOrder {
   ClaimKey claim;
   std::string spec_json;
   std::vector<std::pair<std::string, std::filesystem::path>> captures;
-  std::filesystem::path folder;  ///< of this run alone; the result files go to folder/out
-  std::filesystem::path log;     ///< standard output and error are appended here
+  std::filesystem::path folder;       ///< of this run alone; the result files go to folder/out
+  std::filesystem::path checkpoints;  ///< of the work, outlives the run; see JobInput
+  std::filesystem::path log;          ///< standard output and error are appended here
   double time_limit_s = 0;
   std::uint64_t memory_limit_bytes = 0;
   std::chrono::milliseconds heartbeat{10000};

@@ -150,7 +150,7 @@ int worker_main(int argc, char** argv, const JobFunction& run) {
   const TerminationWatch termination;
   Reporter reporter;
   const std::jthread heartbeat = start_heartbeat(reporter, order.heartbeat);
-  JobInput input{order.spec_json, order.captures, order.folder / "out"};
+  JobInput input{order.spec_json, order.captures, order.folder / "out", order.checkpoints};
   return run_guarded(input, run, reporter, termination.token());
 }
 

@@ -38,6 +38,7 @@ std::string write_order(const WorkOrder& order, int parent) {
               {"spec", order.spec_json},
               {"captures", captures},
               {"folder", order.folder.string()},
+              {"checkpoints", order.checkpoints.string()},
               {"time_limit_s", order.time_limit_s},
               {"memory_limit_bytes", order.memory_limit_bytes},
               {"heartbeat_ms", order.heartbeat.count()},
@@ -58,6 +59,7 @@ Expected<ReceivedOrder> read_order(const std::filesystem::path& file) {
                                            capture.at(1).get<std::string>());
     }
     received.order.folder = order.at("folder").get<std::string>();
+    received.order.checkpoints = order.at("checkpoints").get<std::string>();
     received.order.time_limit_s = order.at("time_limit_s").get<double>();
     received.order.memory_limit_bytes = order.at("memory_limit_bytes").get<std::uint64_t>();
     received.order.heartbeat =

@@ -303,41 +303,41 @@ TEST(CommandLine, ModelsGoToOtherFormatsAndComeBack) {
       call({"model", "export", "springs", "--to", "arcsim", "--area-density", "1"});
   EXPECT_EQ(refused.code, 2);
   EXPECT_NE(refused.err.find("term"), std::string::npos);
+}
 
-  TEST(Residuals, VerticesOfASheetAsTableCsvAndJson) {
-    const Folder folder;
-    const std::string file = folder.file("residuals.h5");
-    report::VertexResiduals block;
-    block.capture_id = std::string(64, 'c');
-    block.capture_title = "pull";
-    block.frame = {3, 4};
-    block.vertex = {7, 9};
-    block.material_m = {0.01, 0.02, 0.03, 0.04};
-    block.sigma_m = {1e-4, 1e-4};
-    block.measured_m = {0, 0, 0, 1, 1, std::nan(""), 2, 2, 2, 3, 3, 3};
-    block.start_m.assign(12, 0.5);
-    block.fitted_m = {0, 0, 0.001, 1, 1, 1, 2, 2, 2, 3, 3, 3};
-    ASSERT_TRUE(report::write_residuals({}, file, {block}));
-    const Outcome csv =
-        call({"residuals", file.c_str(), "--vertices", "--frames", "3", "--format", "csv"});
-    EXPECT_EQ(csv.code, 0) << csv.err;
-    EXPECT_NE(csv.out.find(",3,7,0.01,0.02,0,0,0,0.5,0.5,0.5,0,0,0.001,0.001,0.0001\n"),
-              std::string::npos)
-        << csv.out;
-    EXPECT_NE(csv.out.find(",3,9,0.03,0.04,1,1,,0.5"), std::string::npos) << csv.out;
-    EXPECT_EQ(csv.out.find(",4,"), std::string::npos);
-    const Outcome table = call({"residuals", file.c_str(), "--vertex", "7:8"});
-    EXPECT_NE(table.out.find("in sigmas"), std::string::npos);
-    EXPECT_EQ(table.out.find(" 9 "), std::string::npos);
-    const Json json = Json::parse(call({"--json", "residuals", file.c_str(), "--vertex", "9"}).out);
-    ASSERT_EQ(json["vertices"][0]["rows"].size(), 2U);
-    EXPECT_TRUE(json["vertices"][0]["rows"][0]["measured_z_m"].is_null());
-    EXPECT_EQ(call({"residuals", file.c_str(), "--vertex", "8"}).code, 3);
-    EXPECT_EQ(call({"residuals", file.c_str(), "--vertices", "--channel", "force"}).code, 2);
-    EXPECT_NE(
-        call({"residuals", file.c_str(), "--vertex", "9:8"}).err.find("vertex numbers A <= B"),
-        std::string::npos);
-  }
+TEST(Residuals, VerticesOfASheetAsTableCsvAndJson) {
+  const Folder folder;
+  const std::string file = folder.file("residuals.h5");
+  report::VertexResiduals block;
+  block.capture_id = std::string(64, 'c');
+  block.capture_title = "pull";
+  block.frame = {3, 4};
+  block.vertex = {7, 9};
+  block.material_m = {0.01, 0.02, 0.03, 0.04};
+  block.sigma_m = {1e-4, 1e-4};
+  block.measured_m = {0, 0, 0, 1, 1, std::nan(""), 2, 2, 2, 3, 3, 3};
+  block.start_m.assign(12, 0.5);
+  block.fitted_m = {0, 0, 0.001, 1, 1, 1, 2, 2, 2, 3, 3, 3};
+  ASSERT_TRUE(report::write_residuals({}, file, {block}));
+  const Outcome csv =
+      call({"residuals", file.c_str(), "--vertices", "--frames", "3", "--format", "csv"});
+  EXPECT_EQ(csv.code, 0) << csv.err;
+  EXPECT_NE(csv.out.find(",3,7,0.01,0.02,0,0,0,0.5,0.5,0.5,0,0,0.001,0.001,0.0001\n"),
+            std::string::npos)
+      << csv.out;
+  EXPECT_NE(csv.out.find(",3,9,0.03,0.04,1,1,,0.5"), std::string::npos) << csv.out;
+  EXPECT_EQ(csv.out.find(",4,"), std::string::npos);
+  const Outcome table = call({"residuals", file.c_str(), "--vertex", "7:8"});
+  EXPECT_NE(table.out.find("in sigmas"), std::string::npos);
+  EXPECT_EQ(table.out.find(" 9 "), std::string::npos);
+  const Json json = Json::parse(call({"--json", "residuals", file.c_str(), "--vertex", "9"}).out);
+  ASSERT_EQ(json["vertices"][0]["rows"].size(), 2U);
+  EXPECT_TRUE(json["vertices"][0]["rows"][0]["measured_z_m"].is_null());
+  EXPECT_EQ(call({"residuals", file.c_str(), "--vertex", "8"}).code, 3);
+  EXPECT_EQ(call({"residuals", file.c_str(), "--vertices", "--channel", "force"}).code, 2);
+  EXPECT_NE(call({"residuals", file.c_str(), "--vertex", "9:8"}).err.find("vertex numbers A <= B"),
+            std::string::npos);
+}
 
 }  // namespace
 }  // namespace tenter::cli

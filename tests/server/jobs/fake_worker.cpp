@@ -4,6 +4,7 @@
 //
 //   {"sleep_ms": 200, "ignore_stop": true, "fail": "why", "crash": true, "abort_below_deaths": 2,
 //   "deaths_file": "...",
+//    "count_to": 3,
 //    "allocate_mb": 500, "no_result": true, "flood": true}
 //
 // The result depends on the specification and the captures' bytes only.
@@ -25,6 +26,16 @@ namespace {
 using nlohmann::json;
 using namespace tenter;
 
+/// Counts its attempts in a checkpoint, and dies until there were enough.
+void count_attempts(const json& fake, const std::filesystem::path& checkpoints) {
+  if (!fake.contains("count_to")) return;
+  std::filesystem::create_directories(checkpoints);
+  int count = 0;
+  std::ifstream(checkpoints / "count") >> count;
+  std::ofstream(checkpoints / "count") << ++count;
+  if (count < fake["count_to"].get<int>()) ::raise(SIGABRT);
+}
+
 void die_if_asked(const json& fake) {
   if (fake.value("crash", false)) ::raise(SIGABRT);
   const auto file = fake.value("deaths_file", std::string());
@@ -44,6 +55,7 @@ Expected<void> run_fake(const jobs::JobInput& input,
   std::fprintf(stderr, "fake worker runs\n");
   report({"start", "pid " + std::to_string(::getpid()), 0, 0, 0});
   die_if_asked(fake);
+  count_attempts(fake, input.checkpoints);
   if (fake.value("flood", false)) {
     for (int i = 0; i < 20000; ++i)
       report({"flood " + std::to_string(i), std::string(500, 'x'), i, 1.0, 0.5});

@@ -129,6 +129,31 @@ TEST_F(ServiceTest, AKilledWorkersJobRunsAgain) {
       << events[2].message;
 }
 
+TEST_F(ServiceTest, CheckpointsOutliveAttemptsAndTheDaemonAndGoWithSuccess) {
+  open();
+  const std::filesystem::path home = folder_.path() / "store" / "checkpoints";
+  const auto kept = [&](JobId job) { return home / MUST(service_->show(job)).spec_sha256; };
+  const JobId counted = submit("counted", R"({"count_to": 3})");
+  ASSERT_EQ(ended(counted).state, JobState::succeeded);
+  EXPECT_EQ(ended(counted).attempt, 3);
+  EXPECT_TRUE(wait_until([&] { return !std::filesystem::exists(kept(counted)); }));
+
+  const JobId slow = submit("slow", R"({"count_to": 1, "sleep_ms": 60000})");
+  EXPECT_TRUE(wait_until([&] { return std::filesystem::exists(kept(slow) / "count"); }));
+  open();  // the next daemon starts it again, and the worker finds its count
+  EXPECT_TRUE(wait_until([&] { return bytes_of(kept(slow) / "count") == "2"; }));
+  MUST(service_->cancel("ada", slow));
+  EXPECT_TRUE(becomes(slow, JobState::cancelled));
+  // kept for who asks again, until another worker program comes
+  EXPECT_TRUE(std::filesystem::exists(kept(slow)));
+  ServiceConfig other = fake_config(folder_.path() / "store");
+  other.worker = folder_.path() / "other-worker";
+  std::filesystem::copy_file(TENTER_FAKE_WORKER, other.worker);
+  std::ofstream(other.worker, std::ios::app) << "another build";
+  open(other);
+  EXPECT_FALSE(std::filesystem::exists(kept(slow)));
+}
+
 TEST_F(ServiceTest, AJobThatKillsItsWorkerThreeTimesIsPutIntoQuarantine) {
   open();
   const JobId poison = submit("p", R"({"crash": true})");

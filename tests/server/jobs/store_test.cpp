@@ -9,6 +9,8 @@
 
 #include <fstream>
 
+#include "common/base/sha256.h"
+#include "server/jobs/store/checkpoints.h"
 #include "tests/server/jobs/jobs_fixture.h"
 
 namespace tenter::jobs {
@@ -102,6 +104,37 @@ TEST(Store, AWriteThatFailsLeavesNothingBehind) {
   EXPECT_EQ(status, 0);
   EXPECT_EQ(files_in(folder.path()), 1u);  // "small"
   EXPECT_TRUE(store->contains(sha256_hex("small")));
+}
+
+TEST(CheckpointsTest, TheOldestGoAndTheRunningStay) {
+  const TemporaryFolder folder;
+  const std::filesystem::path home = folder.path() / "checkpoints";
+  Checkpoints checkpoints = MUST(Checkpoints::open(home, "engine a"));
+  std::vector<std::string> specs;
+  for (int i = 0; i < 5; ++i) {
+    specs.push_back(sha256_hex(std::to_string(i)));
+    std::filesystem::create_directories(checkpoints.of(specs.back()));
+    const std::filesystem::path file = checkpoints.of(specs.back()) / "state.json";
+    std::ofstream(file) << std::string(1000, 'x');
+    const auto old = std::filesystem::file_time_type::clock::now() - std::chrono::hours(10 - i);
+    std::filesystem::last_write_time(file, old);
+    std::filesystem::last_write_time(checkpoints.of(specs.back()), old);
+  }
+  const auto there = [&] {
+    std::string found;
+    for (std::size_t i = 0; i < specs.size(); ++i)
+      if (std::filesystem::exists(checkpoints.of(specs[i]))) found += std::to_string(i);
+    return found;
+  };
+  checkpoints.prune({specs[0]}, 4);
+  EXPECT_EQ(there(), "0234");
+  checkpoints.prune({specs[0]}, 4, 2500);
+  EXPECT_EQ(there(), "04");
+  checkpoints.drop("../queue.sqlite");
+  checkpoints = MUST(Checkpoints::open(home, "engine a"));
+  EXPECT_EQ(there(), "04");
+  checkpoints = MUST(Checkpoints::open(home, "engine b"));
+  EXPECT_EQ(there(), "");
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ TEST(WorkerProtocol, AnOrderComesBackAsItWent) {
   order.spec_json = spec_text("a");
   order.captures = {{kCapture, "/store/objects/ab/cd"}};
   order.folder = folder.path();
+  order.checkpoints = folder.path() / "kept";
   order.time_limit_s = 1.5;
   order.memory_limit_bytes = 1ull << 40;
   order.heartbeat = std::chrono::milliseconds(250);
@@ -29,6 +30,7 @@ TEST(WorkerProtocol, AnOrderComesBackAsItWent) {
   EXPECT_EQ(received.order.spec_json, order.spec_json);
   EXPECT_EQ(received.order.captures, order.captures);
   EXPECT_EQ(received.order.folder, order.folder);
+  EXPECT_EQ(received.order.checkpoints, order.checkpoints);
   EXPECT_EQ(received.order.time_limit_s, order.time_limit_s);
   EXPECT_EQ(received.order.memory_limit_bytes, order.memory_limit_bytes);
   EXPECT_EQ(received.order.heartbeat, order.heartbeat);

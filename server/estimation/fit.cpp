@@ -131,8 +131,16 @@ FitResult fit(ResidualFunction& evaluator, const model::Model& start, const FitO
   result.parameters = all;
   evaluator.set_accuracy(Accuracy::exact);
   if (evaluator.evaluate(all, result.residuals, &result.jacobian) != mechanics::PathStatus::ok) {
-    result.message = "the model has no equilibrium at the optimum";
-    return result;
+    // what was good enough to step to is still the best that is known
+    evaluator.set_accuracy(Accuracy::stepping);
+    const auto status = evaluator.evaluate(all, result.residuals, &result.jacobian);
+    evaluator.set_accuracy(Accuracy::exact);
+    if (status != mechanics::PathStatus::ok) {
+      result.message = "the model has no equilibrium at the optimum";
+      return result;
+    }
+    result.converged = false;
+    result.message = "at the optimum a frame comes to rest only roughly";
   }
   result.usable = true;
   result.chi2 = result.residuals.cwiseAbs2().dot(weights);

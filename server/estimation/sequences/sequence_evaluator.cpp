@@ -30,7 +30,9 @@ struct SequenceEvaluator::FrameWork {
   struct Slot {
     State state;
     Sensitivity by_parameter;
-    Eigen::VectorXd by_node;  ///< gradient of the potential
+    Eigen::VectorXd by_node;      ///< gradient of the potential
+    double cost = 0.0;            ///< of the frame's rows, where its gradient was wanted
+    Eigen::VectorXd cost_change;  ///< that gradient
   };
   Slot slots[2];
   SequenceCost cost;  ///< of the evaluation that is under way
@@ -126,14 +128,8 @@ PathStatus SequenceEvaluator::evaluate(const Eigen::VectorXd& parameters,
                         (last_accuracy_ == Accuracy::exact || accuracy_ == Accuracy::stepping) &&
                         (last_has_sensitivity_ || !wants_sensitivity);
   if (!is_known) {
-    solve_all(parameters, wants_sensitivity);
-    if (has_failed()) {
-      last_ = -1;
-      return PathStatus::no_equilibrium;
-    }
-    last_parameters_ = parameters;
-    last_accuracy_ = accuracy_;
-    last_has_sensitivity_ = wants_sensitivity;
+    const auto wanted = wants_sensitivity ? Derivative::by_parameter : Derivative::none;
+    if (!solve_all(parameters, wanted)) return PathStatus::no_equilibrium;
   }
   if (last_has_sensitivity_ && (jacobian || base_ < 0)) {
     base_ = last_;
@@ -155,8 +151,22 @@ PathStatus SequenceEvaluator::evaluate(const Eigen::VectorXd& parameters,
                                                                        : PathStatus::not_finite;
 }
 
-/// Brings every frame to rest in the slots of `last_`.
-void SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, bool wants_sensitivity) {
+PathStatus SequenceEvaluator::evaluate_gradient(const Eigen::VectorXd& parameters, double& cost,
+                                                Eigen::VectorXd& gradient) {
+  if (!solve_all(parameters, Derivative::of_cost)) return PathStatus::no_equilibrium;
+  cost = 0.0;
+  gradient.setZero(parameter_count_);
+  for (const auto& [s, f] : all_frames_) {
+    const FrameWork::Slot& slot = frames_[s][f]->slots[last_];
+    cost += slot.cost;
+    gradient += slot.cost_change;
+  }
+  return std::isfinite(cost) && gradient.allFinite() ? PathStatus::ok : PathStatus::not_finite;
+}
+
+/// Brings every frame to rest in the slots of `last_`; false, and nothing is known, where one does
+/// not.
+bool SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, Derivative wanted) {
   for (const auto& works : frames_) {
     for (const auto& work : works) {
       work->failure.clear();
@@ -168,7 +178,7 @@ void SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, bool wants_
   last_ = base_ < 0 ? 0 : 1 - base_;
   if (from < 0) {
     in_parallel(options_.threads, static_cast<int>(runs_.size()), [&](int thread, int k) {
-      walk(runs_[static_cast<std::size_t>(k)], thread, parameters, wants_sensitivity);
+      walk(runs_[static_cast<std::size_t>(k)], thread, parameters, wanted);
     });
   } else {
     in_parallel(options_.threads, static_cast<int>(all_frames_.size()), [&](int thread, int k) {
@@ -177,7 +187,7 @@ void SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, bool wants_
       State& state = work.slots[last_].state;
       if (from != last_) state = work.slots[from].state;
       if (!is_here) state.x += work.slots[base_].by_parameter.x * (parameters - base_parameters_);
-      SolveHow how{true, false, wants_sensitivity};
+      SolveHow how{true, false, wanted};
       if (solve_frame(s, f, thread, parameters, how)) return;
       const auto& measured = sequences_[s].frames[f].start;
       if (!measured && base_ < 0) return;
@@ -189,6 +199,14 @@ void SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, bool wants_
   }
   for (const auto& works : frames_)
     for (const auto& work : works) add(work->cost, cost_);
+  if (has_failed()) {
+    last_ = -1;
+    return false;
+  }
+  last_parameters_ = parameters;
+  last_accuracy_ = accuracy_;
+  last_has_sensitivity_ = wanted == Derivative::by_parameter;
+  return true;
 }
 
 bool SequenceEvaluator::has_failed() {
@@ -216,7 +234,7 @@ EquilibriumSolver& SequenceEvaluator::solver_of(int thread, std::size_t sequence
 
 /// The frames of a run one after the other, each from the one before.
 void SequenceEvaluator::walk(const Run& run, int thread, const Eigen::VectorXd& parameters,
-                             bool wants_sensitivity) {
+                             Derivative wanted) {
   const Sequence& sequence = sequences_[run.sequence];
   const auto& start = sequence.frames[run.first].start;
   const State* before = start ? &*start : &sequence.start;
@@ -225,8 +243,7 @@ void SequenceEvaluator::walk(const Run& run, int thread, const Eigen::VectorXd& 
     state = *before;
     before = &state;
     const bool is_next = f > run.first;
-    if (!solve_frame(run.sequence, f, thread, parameters, {is_next, is_next, wants_sensitivity}))
-      return;
+    if (!solve_frame(run.sequence, f, thread, parameters, {is_next, is_next, wanted})) return;
   }
 }
 
@@ -246,7 +263,7 @@ bool SequenceEvaluator::solve_frame(std::size_t sequence, std::size_t frame, int
     options.reuse_factor = true;
   }
   options.start_is_near = how.is_near;
-  options.check_minimum = how.wants_sensitivity;
+  options.check_minimum = how.wanted != Derivative::none;
   options.predict = how.may_predict;
   const auto now = [this] { return options_.clock ? options_.clock() : 0.0; };
   const double began = now();
@@ -264,20 +281,47 @@ bool SequenceEvaluator::solve_frame(std::size_t sequence, std::size_t frame, int
     return false;
   }
   slot.by_node = std::move(solved->by_node);
-  if (!how.wants_sensitivity) return true;
-  auto change = sensitivity_by_parameter(solver, parameters, slot.state);
+  if (how.wanted == Derivative::none) return true;
+  const auto change = differentiate(sequence, frame, solver, parameters, how.wanted);
   work.cost.sensitivity_s += now() - rested;
   ++work.cost.sensitivities;
-  if (!change) {
-    work.failure = change.error().message;
-    return false;
-  }
-  slot.by_parameter = std::move(*change);
-  return true;
+  if (!change) work.failure = change.error().message;
+  return change.has_value();
 }
 
-void SequenceEvaluator::write_rows(std::size_t sequence, std::size_t frame,
-                                   Eigen::VectorXd& residuals, RowMatrix* jacobian) const {
+/// Derivatives at the state that `solver` has just come to.
+Expected<void> SequenceEvaluator::differentiate(std::size_t sequence, std::size_t frame,
+                                                EquilibriumSolver& solver,
+                                                const Eigen::VectorXd& parameters,
+                                                Derivative wanted) {
+  FrameWork::Slot& slot = frames_[sequence][frame]->slots[last_];
+  if (wanted == Derivative::by_parameter) {
+    auto change = sensitivity_by_parameter(solver, parameters, slot.state);
+    if (!change) return tl::unexpected(change.error());
+    slot.by_parameter = std::move(*change);
+    return {};
+  }
+  slot.cost = 0.0;
+  Eigen::VectorXd by_x = Eigen::VectorXd::Zero(slot.state.x.size());
+  Eigen::VectorXd by_gradient = by_x;
+  each_row(sequence, frame, [&](int row, double residual, double sigma, const Observation& seen) {
+    slot.cost += weights_[row] * residual * residual;
+    const double share = 2.0 * weights_[row] * residual / sigma;
+    for (const Observation::ByNode& part : seen.by_x)
+      by_x.segment<3>(3 * static_cast<Eigen::Index>(part.node)) += share * part.by;
+    for (const Observation::ByNode& part : seen.by_gradient)
+      by_gradient.segment<3>(3 * static_cast<Eigen::Index>(part.node)) += share * part.by;
+  });
+  auto change = objective_by_parameter(solver, parameters, slot.state, by_x, by_gradient);
+  if (!change) return tl::unexpected(change.error());
+  slot.cost_change = std::move(*change);
+  return {};
+}
+
+/// visit(row, residual, sigma, observation) of every measured value of a frame.
+template <class Visit>
+void SequenceEvaluator::each_row(std::size_t sequence, std::size_t frame,
+                                 const Visit& visit) const {
   const Sequence& measured = sequences_[sequence];
   const SequenceFrame& at = measured.frames[frame];
   const Bound& bound = *bound_[sequence];
@@ -285,17 +329,25 @@ void SequenceEvaluator::write_rows(std::size_t sequence, std::size_t frame,
   const RestState rest{measured.boundaries[static_cast<std::size_t>(at.boundary)], slot.state,
                        slot.by_node};
   Observation seen;
-  Eigen::RowVectorXd change;
   for (int c = 0; c < bound.channels.count(); ++c) {
     const int row = bound.row_of[frame][static_cast<std::size_t>(c)];
     if (row < 0) continue;
     bound.channels.observe(measured, c, rest, seen);
     const double sigma = bound.channels.sigma(measured, c);
-    residuals[row] = (seen.value - bound.channels.measured(at, c)) / sigma;
-    if (!jacobian) continue;
-    change_of(seen, slot.by_parameter, change);
-    jacobian->row(row) = change / sigma;
+    visit(row, (seen.value - bound.channels.measured(at, c)) / sigma, sigma, seen);
   }
+}
+
+void SequenceEvaluator::write_rows(std::size_t sequence, std::size_t frame,
+                                   Eigen::VectorXd& residuals, RowMatrix* jacobian) const {
+  const Sensitivity& by_parameter = frames_[sequence][frame]->slots[last_].by_parameter;
+  Eigen::RowVectorXd change;
+  each_row(sequence, frame, [&](int row, double residual, double sigma, const Observation& seen) {
+    residuals[row] = residual;
+    if (!jacobian) return;
+    change_of(seen, by_parameter, change);
+    jacobian->row(row) = change / sigma;
+  });
 }
 
 }  // namespace tenter::estimation

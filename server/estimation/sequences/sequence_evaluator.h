@@ -63,6 +63,10 @@ class SequenceEvaluator final : public ResidualFunction {
   [[nodiscard]] mechanics::PathStatus evaluate(const Eigen::VectorXd& parameters,
                                                Eigen::VectorXd& residuals,
                                                RowMatrix* jacobian) override;
+  /// The cost, sum of weight r^2, and its gradient by the adjoint: one solve a frame however many
+  /// parameters there are. For many of them; fit() uses the Jacobian.
+  [[nodiscard]] mechanics::PathStatus evaluate_gradient(const Eigen::VectorXd& parameters,
+                                                        double& cost, Eigen::VectorXd& gradient);
   void set_accuracy(Accuracy accuracy) override { accuracy_ = accuracy; }
   Eigen::VectorXd weights() const override { return weights_; }
 
@@ -79,20 +83,26 @@ class SequenceEvaluator final : public ResidualFunction {
   struct Run {       ///< frames that are walked one after the other
     std::size_t sequence = 0, first = 0, last = 0;
   };
+  enum class Derivative { none, by_parameter, of_cost };
   struct SolveHow {
     bool is_near = false;
     bool may_predict = false;  ///< from the solve before: only where one thread walks
-    bool wants_sensitivity = false;
+    Derivative wanted = Derivative::none;
   };
 
   SequenceEvaluator() = default;
   /// Made when first wanted: a thread's own for each boundary of each sequence.
   mechanics::EquilibriumSolver& solver_of(int thread, std::size_t sequence, std::size_t frame);
-  void solve_all(const Eigen::VectorXd& parameters, bool wants_sensitivity);
-  void walk(const Run& run, int thread, const Eigen::VectorXd& parameters, bool wants_sensitivity);
+  bool solve_all(const Eigen::VectorXd& parameters, Derivative wanted);
+  void walk(const Run& run, int thread, const Eigen::VectorXd& parameters, Derivative wanted);
   bool solve_frame(std::size_t sequence, std::size_t frame, int thread,
                    const Eigen::VectorXd& parameters, const SolveHow& how);
+  Expected<void> differentiate(std::size_t sequence, std::size_t frame,
+                               mechanics::EquilibriumSolver& solver,
+                               const Eigen::VectorXd& parameters, Derivative wanted);
   bool has_failed();
+  template <class Visit>
+  void each_row(std::size_t sequence, std::size_t frame, const Visit& visit) const;
   void write_rows(std::size_t sequence, std::size_t frame, Eigen::VectorXd& residuals,
                   RowMatrix* jacobian) const;
 

@@ -104,6 +104,27 @@ TEST(Observations, FollowWholeSolvesWithAFreeClipInSomeFrames) {
   compare_with_differences(sequence, false);
 }
 
+/// The adjoint's gradient of the cost beside the Jacobian's, with weights that differ.
+TEST(Observations, TheAdjointGivesTheGradientOfTheCost) {
+  std::vector<Sequence> sequences = {with_every_kind(),
+                                     between_bars("other", true, {0.006, 0.001, 0.0})};
+  sequences[1].weight = 3.0;
+  const Eigen::VectorXd at = true_values();
+  auto evaluator = SequenceEvaluator::make(cloth_model(at), sequences, {.threads = 2}).value();
+  double cost = 0.0;
+  Eigen::VectorXd gradient, residuals;
+  RowMatrix jacobian;
+  ASSERT_EQ(evaluator.evaluate_gradient(at, cost, gradient), mechanics::PathStatus::ok)
+      << evaluator.failure();
+  ASSERT_EQ(evaluator.evaluate(at, residuals, &jacobian), mechanics::PathStatus::ok);
+  const Eigen::VectorXd weighted = evaluator.weights().cwiseProduct(residuals);
+  EXPECT_NEAR(cost, weighted.dot(residuals), 1e-9 * cost);
+  EXPECT_GT(gradient.cwiseProduct(at).cwiseAbs().minCoeff(), 1e-6 * cost);
+  for (int p = 0; p < evaluator.parameter_count(); ++p)
+    EXPECT_NEAR(gradient[p], 2.0 * jacobian.col(p).dot(weighted), 1e-6 * std::abs(gradient[p]))
+        << p;
+}
+
 TEST(Observations, AreWhatTheyAreCalled) {
   Sequence sequence = with_every_kind();
   ASSERT_TRUE(check(sequence)) << check(sequence).error().message;

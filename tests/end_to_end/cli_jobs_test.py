@@ -34,6 +34,54 @@ class Captures(CommandTest):
         self.assertEqual((self.work / "back.h5").read_bytes(), file.read_bytes())
         self.run_command("capture", "export", first["id"][:8], "-o", "back.csv", code=4)
 
+    def test_a_sheet_from_its_tables_to_the_server_and_back(self):
+        tracked = ["frame,point,x_mm,y_mm,z_mm"]
+        for frame in range(3):
+            for point in range(9):
+                u, v = 50 * (point % 3), 50 * (point // 3)
+                tracked.append(f"{frame},{point},{u * (1 + 0.01 * frame)},{v},{0.1 * frame}")
+        (self.work / "tracked.csv").write_text("\n".join(tracked) + "\n")
+        (self.work / "mesh.obj").write_text(
+            "".join(f"v {50 * (k % 3)} {50 * (k // 3)} 0\n" for k in range(9)) +
+            "f 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\n")
+        (self.work / "forces.csv").write_text("frame;pull_mN\n0;0\n1;1250,5\n2;2501\n")
+        description = {
+            "kind": "deforming_sheet", "title": "a square", "gravity_m_s2": [0, 0, -9.81],
+            "specimen": {"name": "S", "material": "cloth", "area_density": {"value": 150, "unit": "g/m2"}},
+            "protocol": {"name": "pull", "history": "continues", "branch": "load"},
+            "provenance": {"source": "a test", "synthetic": True},
+            "mesh": {"file": "mesh.obj", "unit": "mm"},
+            "positions": {"file": "tracked.csv", "unit": "mm", "sigma": 0.075, "columns": {
+                "frame": "frame", "vertex": "point", "x": "x_mm", "y": "y_mm", "z": "z_mm"}},
+            "clips": [{"id": "right", "role": "prescribed", "region": {"unit": "mm", "box": [[100, 0], [100, 100]]},
+                       "pose": {"unit": "mm", "position": [0, 0, 0]}}],
+            "cords": [{"id": "pull", "clip": "right", "direction": [1, 0, 0], "tension": {
+                "file": "forces.csv", "separator": ";", "decimal": ",", "unit": "mN", "sigma": 3,
+                "columns": {"frame": "frame", "tension": "pull_mN"}}}]}
+        (self.work / "sheet.json").write_text(json.dumps(description))
+        made = self.json("capture", "import", "sheet.json")
+        self.assertEqual((made["file"], made["sheet"]["vertices"], made["sheet"]["triangles"]), ("sheet.h5", 9, 8))
+        self.assertTrue(self.json("capture", "validate", "sheet.h5")["captures"][0]["valid"])
+        sent = self.json("capture", "submit", "sheet.h5")["captures"][0]
+        self.assertEqual(sent["id"], made["id"])
+        self.assertEqual(sent["summary"]["summary"]["sheet"]["cords"], 1)
+        self.assertIn("deforming_sheet", self.run_command("capture", "list").stdout)
+        shown = self.json("capture", "show", made["id"][:8])
+        self.assertAlmostEqual(shown["sheet"]["cords"][0]["highest_N"], 2.501)
+        self.assertIn("cord        pull at right: 0 .. 2.501 N", self.run_command("capture", "show", "sheet.h5").stdout)
+        files = self.json("capture", "export", made["id"][:8], "-o", "back.json")["files"]
+        self.assertIn("back.obj", files)
+        self.run_command("capture", "import", "back.json", "-o", "again.h5")
+        self.assertEqual((self.work / "again.h5").read_bytes(), (self.work / "sheet.h5").read_bytes())
+        # what is wrong is said in one line, and nothing is left
+        description["positions"]["columns"]["x"] = "x_cm"
+        (self.work / "bad.json").write_text(json.dumps(description))
+        done = self.run_command("capture", "import", "bad.json", code=2)
+        self.assertEqual(len(done.stderr.strip().splitlines()), 1)
+        self.assertIn("tracked.csv: has no column \"x_cm\"", done.stderr)
+        self.assertFalse((self.work / "bad.h5").exists())
+        self.run_command("capture", "import", "tracked.csv", code=2)
+
     def test_bad_captures_are_refused_with_a_reason(self):
         torn = self.work / "torn.h5"
         torn.write_bytes(self.capture().read_bytes()[:5000])

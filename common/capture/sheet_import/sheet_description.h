@@ -21,7 +21,7 @@ namespace tenter::capture {
 /// Some columns of a CSV, by what they are for.
 struct TableSpec {
   std::string key;   ///< of the JSON, for messages
-  std::string file;  ///< beside the JSON; "": the CSV that the import was called with
+  std::string file;  ///< see TableFolder; "": the CSV that the import was called with
   CsvOptions csv;
   bool decimal_comma = false;
   std::vector<std::pair<std::string, std::vector<std::string>>> where;

@@ -15,7 +15,8 @@ TableFolder::TableFolder(const std::string& json_path, std::string main_csv)
 
 std::string TableFolder::path_of(const std::string& file) const {
   if (file.empty()) return main_csv_;
-  return (std::filesystem::path(json_).parent_path() / file).string();
+  const std::filesystem::path beside(main_csv_.empty() ? json_ : main_csv_);
+  return (beside.parent_path() / file).string();
 }
 
 Expected<const OpenTable*> TableFolder::open(const std::string& file, const CsvOptions& options,

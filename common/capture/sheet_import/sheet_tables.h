@@ -24,7 +24,8 @@ struct OpenTable {
   CsvTable table;
 };
 
-/// Files are beside the description; "" is the CSV that the import was called with.
+/// Files are beside the CSV that the import was called with, which is also the one named "", else
+/// beside the description.
 class TableFolder {
  public:
   TableFolder(const std::string& json_path, std::string main_csv);

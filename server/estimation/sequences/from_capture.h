@@ -2,7 +2,7 @@
 // A captured sheet (common/capture/sheet/sheet.h) as a sequence that fits can take: a mesh to
 // simulate, its clips, table and loads, and what was measured as channels.
 //
-//   auto captured = sequence_from_capture(capture, {.nodes_u = 25, .nodes_v = 25});
+//   auto captured = sequence_from_capture(capture, {.most_points = 500});
 //   if (!captured) return tl::unexpected(captured.error());
 //   log(in_words(captured->use));                    // what was compared and what was left out
 //   sequences.push_back(std::move(captured->sequence));
@@ -39,7 +39,8 @@ namespace tenter::estimation {
 
 struct FromCaptureOptions {
   bool use_own_mesh = false;  ///< else a grid
-  int nodes_u = 25, nodes_v = 25;
+  int nodes_u = 25;
+  int nodes_v = 0;  ///< 0: as many as make the cells squares, nearly; of a square 25
   mechanics::Diagonals diagonals = mechanics::Diagonals::both;  ///< bends alike in all directions
   /// The grid's corners in the material. None: those of the capture's mesh.
   std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rectangle_m;

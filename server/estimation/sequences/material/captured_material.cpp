@@ -78,8 +78,14 @@ Expected<mechanics::Cloth> cloth_of(const Sheet& sheet, const FromCaptureOptions
     rectangle = *own;
   }
   const auto& [lo, hi] = *rectangle;
-  auto cloth = mechanics::cloth_of_grid(
-      {options.nodes_u, options.nodes_v, hi.x() - lo.x(), hi.y() - lo.y()}, options.diagonals);
+  const Eigen::Vector2d size = hi - lo;
+  int nodes_v = options.nodes_v;
+  if (nodes_v == 0 && size.minCoeff() > 0.0) {
+    const double cells = std::round((options.nodes_u - 1) * size.y() / size.x());
+    nodes_v = static_cast<int>(std::clamp(cells, 1.0, 1.0 * mechanics::kMostGridNodes)) + 1;
+  }
+  auto cloth =
+      mechanics::cloth_of_grid({options.nodes_u, nodes_v, size.x(), size.y()}, options.diagonals);
   if (cloth) cloth->mesh.material_m.colwise() += lo;
   return cloth;
 }

@@ -67,7 +67,8 @@ Expected<ParameterTies> tie_terms(const model::Model& model,
 
 mechanics::PathStatus TiedFunction::evaluate(const Eigen::VectorXd& q, Eigen::VectorXd& residuals,
                                              RowMatrix* jacobian) {
-  const auto status = inner_.evaluate(ties_.all(q), residuals, jacobian ? &inner_jacobian_ : nullptr);
+  const auto status =
+      inner_.evaluate(ties_.all(q), residuals, jacobian ? &inner_jacobian_ : nullptr);
   if (jacobian && status == mechanics::PathStatus::ok) *jacobian = inner_jacobian_ * ties_.map;
   return status;
 }

@@ -50,6 +50,8 @@ class TiedFunction final : public ResidualFunction {
   const std::vector<Row>& rows() const override { return inner_.rows(); }
   [[nodiscard]] mechanics::PathStatus evaluate(const Eigen::VectorXd& q, Eigen::VectorXd& residuals,
                                                RowMatrix* jacobian) override;
+  void set_accuracy(Accuracy accuracy) override { inner_.set_accuracy(accuracy); }
+  Eigen::VectorXd weights() const override { return inner_.weights(); }
   /// Of all parameters, from the last evaluation that wanted one.
   const RowMatrix& inner_jacobian() const { return inner_jacobian_; }
 

@@ -32,9 +32,11 @@ Expected<RestingFrames> resting_frames(const model::Model& model, const Sequence
     prescribe(sequence, f, true, at);
     mechanics::Loads loads = sequence.loads;
     loads.cord_force_N = frame.cord_force_N;
-    const auto solved = solver->solve(parameters, loads, at, options);
+    auto solved = solver->solve(parameters, loads, at, options);
     if (solved && solved->is_good(options)) {
       found.resting.push_back(static_cast<int>(f));
+      found.by_node_N.push_back(std::move(solved->by_node));
+      found.states.push_back(at);
       state = std::move(at);
     } else {
       found.restless.push_back(
@@ -46,6 +48,7 @@ Expected<RestingFrames> resting_frames(const model::Model& model, const Sequence
 
 void keep_frames(Sequence& sequence, const std::vector<int>& frames) {
   std::vector<SequenceFrame> kept;
+  kept.reserve(frames.size());
   for (const int f : frames)
     kept.push_back(std::move(sequence.frames[static_cast<std::size_t>(f)]));
   sequence.frames = std::move(kept);

@@ -22,7 +22,9 @@ struct RestlessFrame {
 };
 
 struct RestingFrames {
-  std::vector<int> resting;  ///< from 0
+  std::vector<int> resting;                ///< from 0
+  std::vector<mechanics::State> states;    ///< of each of these
+  std::vector<Eigen::VectorXd> by_node_N;  ///< dPi/dx there: reactions at clips
   std::vector<RestlessFrame> restless;
 };
 

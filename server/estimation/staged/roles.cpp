@@ -29,7 +29,8 @@ std::vector<int> along_clips(const Sequence& sequence) {
     const ForceChannel& force = sequence.forces[k];
     const auto c = static_cast<std::size_t>(force.clip);
     all.push_back(static_cast<int>(k));
-    if (std::abs(force.direction.dot(long_axis(clips[c], first.clips[c]))) > std::sqrt(0.5))
+    const mechanics::Pose pose = force.turns_with_clip ? mechanics::Pose{} : first.clips[c];
+    if (std::abs(force.direction.dot(long_axis(clips[c], pose))) > std::sqrt(0.5))
       along.push_back(static_cast<int>(k));
   }
   return along.empty() ? all : along;
@@ -45,6 +46,10 @@ GapRows rows_of(Role role, Channels channels) {
 Sequence observed(const RoleSequence& measured, Channels channels) {
   Sequence result = measured.sequence;
   const GapRows rows = rows_of(measured.role, channels);
+  if (rows != GapRows::all) {
+    result.scalars.clear();
+    for (SequenceFrame& frame : result.frames) frame.scalars.resize(0);
+  }
   if (rows == GapRows::positions && !result.points.empty()) {
     result.forces.clear();
     for (SequenceFrame& frame : result.frames) frame.forces_N.resize(0);
@@ -54,6 +59,7 @@ Sequence observed(const RoleSequence& measured, Channels channels) {
     if (measured.role == Role::shear && !result.frames.empty()) {
       const std::vector<int> kept = along_clips(result);
       std::vector<ForceChannel> forces;
+      forces.reserve(kept.size());
       for (const int k : kept) forces.push_back(result.forces[static_cast<std::size_t>(k)]);
       result.forces = std::move(forces);
       for (SequenceFrame& frame : result.frames)

@@ -34,7 +34,8 @@ class Stage {
     if (task_.sequences.empty() || task_.terms.empty())
       return skip(task_.terms.empty() ? "the model has no term for it" : "there is no sequence");
     model::Model start = with_only_its_terms_free(model);
-    begin_with_one_point(start);
+    begin_with_one_point(
+        start, task_.refine && task_.from_one_point ? task_.terms : std::vector<std::string>{});
     auto ties = tie_terms(start, task_.ties);
     if (!ties) return tl::unexpected(ties.error());
     if (auto ok = choose_start(start, *ties); !ok) return tl::unexpected(ok.error());
@@ -42,11 +43,15 @@ class Stage {
     auto fitted = fit_curves(start, *ties);
     if (!fitted) return tl::unexpected(fitted.error());
     if (!fitted->result.usable) return skip(fitted->result.message);
-    while (may_refine(*fitted)) {
-      auto finer = refined(*fitted);
+    for (int more = 1; more <= 2 && may_refine(*fitted, more);) {
+      auto finer = refined(*fitted, more);
       if (!finer) return tl::unexpected(finer.error());
-      if (!accepts(*finer, *fitted)) break;
-      fitted = std::move(finer);
+      if (accepts(*finer, *fitted)) {
+        fitted = std::move(finer);
+        more = 1;
+      } else {
+        ++more;
+      }
     }
     write_back(*fitted, model);
     return record_;
@@ -74,40 +79,38 @@ class Stage {
     return task_.refine && is_fitted(term) && is_spline(term.law);
   }
 
-  /// Also curves of other stages that have no range yet: they are as good as constant.
-  void begin_with_one_point(model::Model& model) const {
-    for (model::Term& term : model.terms) {
-      const bool has_range = term.law.range_hi > term.law.range_lo;
-      if (is_refined(term) || (is_spline(term.law) && !has_range)) term.law = as_constant(term.law);
-    }
-  }
-
   /// Of the values that the stage was given and the guess from forces, those of the lower cost.
   Expected<void> choose_start(model::Model& start, ParameterTies& ties) {
     const Eigen::VectorXd given = ties.values();
     std::optional<double> cost = cost_at(start, ties, given);
     if (auto ok = leave_out_restless(start, ties, given, cost); !ok) return ok;
     if (!record_.message.empty()) return {};
-    record_.cost_at_start = record_.cost_before = *cost;
-    if (!options_.first_guess) return {};
+    record_.cost_at_start = *cost;
+    record_.cost_before = improve_start(start, ties, *cost);
+    record_.guessed = record_.cost_before < record_.cost_at_start;
+    return {};
+  }
+
+  /// Puts the guess from forces into `ties` where its cost is lower; the cost of what is there
+  /// then.
+  double improve_start(const model::Model& model, ParameterTies& ties, double cost) {
+    if (!options_.first_guess) return cost;
     std::vector<GapSequence> measured;
     for (std::size_t s = 0; s < sequences_.size(); ++s)
       measured.push_back({&whole(s), rows_of(task_.sequences[s].role, options_.channels)});
-    const auto gap = equation_gap(start, ties, measured, options_.gap);
+    const auto gap = equation_gap(model, ties, measured, options_.gap);
     if (!gap) {
       record_.guess_message = gap.error().message;
-      return {};
+      return cost;
     }
-    const auto guessed = cost_at(start, ties, gap->q);
-    if (!guessed || !(*guessed < *cost)) {
+    const auto guessed = cost_at(model, ties, gap->q);
+    if (!guessed || !(*guessed < cost)) {
       record_.guess_message = guessed ? "its cost is higher" : "frames have no rest there";
-      return {};
+      return cost;
     }
-    record_.guessed = true;
-    record_.cost_before = *guessed;
     for (std::size_t k = 0; k < ties.free.size(); ++k)
       ties.free[k].value = gap->q[static_cast<Eigen::Index>(k)];
-    return {};
+    return *guessed;
   }
 
   /// With the points of all sequences, also of those that only forces of are compared, but without
@@ -133,10 +136,17 @@ class Stage {
     if (evaluator->evaluate(ties.all(q), residuals, nullptr) != mechanics::PathStatus::ok)
       return std::nullopt;
     record_.rows = evaluator->row_count();
-    return residuals.squaredNorm();
+    const Eigen::VectorXd weights = evaluator->weights();
+    return weights.size() > 0 ? residuals.cwiseAbs2().dot(weights) : residuals.squaredNorm();
   }
 
-  SequenceOptions evaluator_options() const { return {options_.threads, options_.tolerance_N}; }
+  SequenceOptions evaluator_options() const {
+    SequenceOptions options;
+    options.threads = options_.threads;
+    options.tolerance_N = options_.tolerance_N;
+    options.weighting = options_.weighting;
+    return options;
+  }
 
   Expected<void> leave_out_restless(const model::Model& model, const ParameterTies& ties,
                                     const Eigen::VectorXd& q, std::optional<double>& cost) {
@@ -194,53 +204,61 @@ class Stage {
     return static_cast<int>(most);
   }
 
-  bool may_refine(const Fitted& fitted) const {
-    if (!task_.refine || record_.stopped || points_of(fitted.model) >= options_.most_points)
-      return false;
+  bool may_refine(const Fitted& fitted, int more) const {
+    if (!task_.refine || record_.stopped) return false;
+    if (points_of(fitted.model) + more > options_.most_points) return false;
     return std::any_of(fitted.model.terms.begin(), fitted.model.terms.end(),
                        [&](const model::Term& term) { return is_refined(term); });
   }
 
-  Expected<Fitted> refined(const Fitted& fitted) {
+  /// The curves with `more` control points each, fitted. An even curve gains nothing by the second
+  /// of its points and all by the third, so two steps are looked at before it is left.
+  Expected<Fitted> refined(const Fitted& fitted, int more) {
     model::Model finer = fitted.model;
-    if (auto ok = choose_ranges(fitted, finer); !ok) return tl::unexpected(ok.error());
+    if (!has_ranges_)
+      if (auto ok = choose_ranges(fitted); !ok) return tl::unexpected(ok.error());
+    for (const model::StrainRange& range : ranges_)
+      for (model::Term& term : finer.terms)
+        if (term.id == range.term)
+          std::tie(term.law.range_lo, term.law.range_hi) = std::pair(range.lo, range.hi);
     for (model::Term& term : finer.terms) {
       if (!is_refined(term)) continue;
-      auto law = with_points(term.law, static_cast<int>(term.law.parameters.size()) + 1);
+      const int points = static_cast<int>(term.law.parameters.size()) + more;
+      auto law = with_points(term.law, std::min(points, options_.most_points));
       if (!law) return tl::unexpected(law.error());
       term.law = std::move(*law);
     }
     auto ties = tie_terms(finer, task_.ties);
     if (!ties) return tl::unexpected(ties.error());
+    improve_start(finer, *ties, fitted.result.chi2);
     return fit_curves(finer, *ties);
   }
 
   /// The strains of the first fit's frames, terms of a group together; a range that the document
   /// gives stays.
-  Expected<void> choose_ranges(const Fitted& fitted, model::Model& model) {
-    if (has_ranges_) return {};
-    has_ranges_ = true;
-    std::vector<StrainHistogram> histograms(model.terms.size());
+  Expected<void> choose_ranges(const Fitted& fitted) {
+    const std::vector<model::Term>& terms = fitted.model.terms;
+    std::vector<StrainHistogram> histograms(terms.size());
     for (std::size_t s = 0; s < sequences_.size(); ++s) {
       const auto bound = mechanics::MeshModel::make(fitted.model, sequences_[s].cloth);
       if (!bound) return tl::unexpected(bound.error());
       append(histograms, strain_histograms(*bound, fitted.states[s]));
     }
-    for (std::size_t t = 0; t < model.terms.size(); ++t) {
-      model::Law& law = model.terms[t].law;
-      if (!is_refined(model.terms[t]) || law.range_hi > law.range_lo) continue;
+    for (std::size_t t = 0; t < terms.size(); ++t) {
+      if (!is_refined(terms[t]) || terms[t].law.range_hi > terms[t].law.range_lo) continue;
       StrainHistogram all = histograms[t];
       for (const auto& group : task_.ties) {
-        if (std::find(group.begin(), group.end(), model.terms[t].id) == group.end()) continue;
-        for (std::size_t other = 0; other < model.terms.size(); ++other)
-          if (other != t &&
-              std::find(group.begin(), group.end(), model.terms[other].id) != group.end())
-            all.merge(histograms[other]);
+        const auto holds = [&](const model::Term& term) {
+          return std::find(group.begin(), group.end(), term.id) != group.end();
+        };
+        for (std::size_t other = 0; holds(terms[t]) && other < terms.size(); ++other)
+          if (other != t && holds(terms[other])) all.merge(histograms[other]);
       }
-      std::tie(law.range_lo, law.range_hi) = all.range(options_.outliers);
-      if (!(law.range_hi > law.range_lo)) law.range_hi = law.range_lo + 1e-6;
-      ranges_.push_back({model.terms[t].id, law.range_lo, law.range_hi});
+      auto [lo, hi] = all.range(options_.outliers);
+      if (!(hi > lo)) hi = lo + 1e-6;
+      ranges_.push_back({terms[t].id, lo, hi});
     }
+    has_ranges_ = true;
     return {};
   }
 
@@ -288,6 +306,46 @@ class Stage {
 };
 
 }  // namespace
+
+void begin_with_one_point(model::Model& model, const std::vector<std::string>& terms) {
+  for (model::Term& term : model.terms) {
+    const bool has_range = term.law.range_hi > term.law.range_lo;
+    const bool is_named = std::find(terms.begin(), terms.end(), term.id) != terms.end();
+    if (is_spline(term.law) && (is_named || !has_range)) term.law = as_constant(term.law);
+  }
+}
+
+Expected<StageRecord> guess_all(model::Model& model, const StageTask& task,
+                                const StageOptions& options) {
+  StageRecord record;
+  record.name = task.name;
+  begin_with_one_point(model, task.terms);
+  auto ties = tie_terms(model, task.ties);
+  if (!ties) return tl::unexpected(ties.error());
+  std::vector<GapSequence> measured;
+  measured.reserve(task.sequences.size());
+  for (const RoleSequence& s : task.sequences) measured.push_back({&s.sequence, GapRows::all});
+  const auto gap = equation_gap(model, *ties, measured, options.gap);
+  if (!gap) {
+    if (gap.error().kind != ErrorKind::refused) return tl::unexpected(gap.error());
+    record.message = gap.error().message;
+    return record;
+  }
+  record.done = record.guessed = true;
+  record.message = std::to_string(gap->frames) + " frames, " + std::to_string(gap->rounds) +
+                   " rounds, " + std::to_string(gap->frames_left_out) + " frames left out";
+  const Eigen::VectorXd all = ties->all(gap->q);
+  const auto parameters = parameters_of(model);
+  const std::vector<std::string> names = parameter_names(model);
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    parameters[k]->value = all[static_cast<Eigen::Index>(k)];
+    for (Eigen::Index q = 0; q < ties->map.cols(); ++q)
+      if (ties->map(static_cast<Eigen::Index>(k), q) != 0.0 &&
+          gap->is_at_bound[static_cast<std::size_t>(q)])
+        record.not_free.push_back({names[k], ParameterState::at_bound});
+  }
+  return record;
+}
 
 Expected<StageRecord> fit_stage(model::Model& model, const StageTask& task,
                                 const StageOptions& options) {

@@ -5,7 +5,8 @@
 //      reach without outliers
 //   2. a first guess from the equation gap, where its cost is the lower one
 //   3. frames that have no rest are left out, and named
-//   4. output-error fit; a point more; until (3.6) falls by less than 1 % or there are enough
+//   4. output-error fit; a point more; until neither one nor two points more let (3.6) fall by 1 %,
+//      or there are enough
 //
 //   auto record = fit_stage(model, {"stretch_u", {"weft"}, {}, sequences}, options);
 //
@@ -31,6 +32,7 @@ struct StageProgress {
 struct StageOptions {
   int threads = 1;
   Channels channels = Channels::thesis;
+  Weighting weighting = {};  ///< of rows in (3.6), where a stage has several sequences
   int most_points = 5;
   double least_gain = 0.01;  ///< of (3.6), for one control point more
   double outliers = 0.005;   ///< share of the area at each end of the strains
@@ -47,7 +49,9 @@ struct StageTask {
   std::vector<std::string> terms;              ///< ids of those that are fitted
   std::vector<std::vector<std::string>> ties;  ///< groups with one curve each
   std::vector<RoleSequence> sequences;
-  bool refine = true;  ///< splines from one control point on; else as they are
+  bool refine = true;          ///< splines get more control points; else as they are
+  bool from_one_point = true;  ///< refinement begins with constant stiffness; else with what is
+                               ///< there
 };
 
 /// What a stage did; nothing is left out of it.
@@ -81,6 +85,14 @@ struct StageRecord {
   };
   std::vector<Named> not_free;  ///< fitted, but at a bound, flat or without gradient
 };
+
+/// Splines that have no range yet, and those of `terms`, with one control point.
+void begin_with_one_point(model::Model& model, const std::vector<std::string>& terms);
+
+/// Constant stiffnesses of all terms together by the equation gap on all that was measured,
+/// written into `model`; no frame is solved. A record without `done` says why there is none.
+Expected<StageRecord> guess_all(model::Model& model, const StageTask& task,
+                                const StageOptions& options);
 
 /// Writes values, errors, control points and ranges into `model`. bad_input as tie_terms() and
 /// SequenceEvaluator::make(); a stage that could not be done is no error but a record that says so,

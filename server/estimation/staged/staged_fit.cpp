@@ -48,6 +48,19 @@ class StagedFit {
     result_.model = std::move(model);
   }
 
+  Expected<void> guess(const std::vector<RoleSequence>& measured) {
+    StageTask task{"first_guess", {}, options_.ties, {}};
+    for (const model::Term& term : result_.model.terms) task.terms.push_back(term.id);
+    for (const RoleSequence& s : measured)
+      if (s.role != Role::evaluation) task.sequences.push_back(s);
+    model::Model guessed = result_.model;
+    auto record = guess_all(guessed, task, options_.stage);
+    if (!record) return tl::unexpected(record.error());
+    if (record->done) result_.model = std::move(guessed);
+    result_.stages.push_back(std::move(*record));
+    return {};
+  }
+
   Expected<StagedResult> run(const std::vector<Wave>& waves) {
     for (const Wave& wave : waves) {
       if (auto ok = take(wave); !ok) return tl::unexpected(ok.error());
@@ -132,6 +145,15 @@ std::vector<Wave> plan_stages(const model::Model& model, const std::vector<RoleS
        stage("bend_v", Component::bend_v, {Role::bend_v})},
       {stage("bend_diagonal", Component::bend_diagonal, {Role::bend_u, Role::bend_v})}};
   for (Wave& wave : waves) wave = merged(std::move(wave), options.ties);
+  const std::size_t first_pass = waves.size();
+  for (std::size_t w = 1; options.repeat && w < first_pass; ++w) {
+    Wave again = waves[w];
+    for (StageTask& task : again) {
+      task.name += "_again";
+      task.from_one_point = false;
+    }
+    waves.push_back(std::move(again));
+  }
   if (!options.coupled) return waves;
   StageTask coupled;
   coupled.name = "coupled";
@@ -151,7 +173,10 @@ Expected<StagedResult> staged_fit(model::Model model, const std::vector<RoleSequ
   });
   if (!has_data) return bad_input("there is no sequence to fit to");
   const std::vector<Wave> waves = plan_stages(model, measured, options);
-  return StagedFit(std::move(model), options).run(waves);
+  StagedFit fit(std::move(model), options);
+  if (options.stage.first_guess)
+    if (auto ok = fit.guess(measured); !ok) return tl::unexpected(ok.error());
+  return fit.run(waves);
 }
 
 }  // namespace tenter::estimation

@@ -2,11 +2,13 @@
 // The incremental fit of a cloth model (thesis 3.4.2), a few parameters at a time, so that none of
 // them starts far from its place:
 //
+//   first_guess                constant stiffnesses of all terms from the equation gap (no solves)
 //   stretch_u | stretch_v      in parallel, all else as it is
 //   shear                      given stretch
 //   bend_u | bend_v            in parallel
 //   bend_diagonal              from both bending sequences
-//   coupled                    all curves and sequences together, from these values
+//   shear_again, bend_..again  the same once more from these values, which know of each other
+//   coupled                    all curves and sequences together
 //
 //   std::vector<RoleSequence> measured = {{Role::stretch_u, ...}, {Role::stretch_v, ...}, ...};
 //   auto fit = staged_fit(model::preset("cloth_stvk_spline").value(), measured, {});
@@ -25,8 +27,9 @@
 namespace tenter::estimation {
 
 struct StagedOptions {
-  StageOptions stage;  ///< its threads are those of the whole fit
-  bool coupled = true;
+  StageOptions stage;                          ///< its threads are those of the whole fit
+  bool repeat = true;                          ///< shear and bending once more
+  bool coupled = true;                         ///< and all together
   std::vector<std::vector<std::string>> ties;  ///< groups of terms that share a curve
 };
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "server/estimation/sequences/observations.h"
 #include "server/estimation/staged/start/bounded_least_squares.h"
 #include "server/estimation/staged/start/measured_shape.h"
 
@@ -22,6 +23,7 @@ struct Measured {
   GapRows rows = GapRows::all;
   std::unique_ptr<MeshModel> model;
   std::unique_ptr<MeasuredShape> shape;
+  std::unique_ptr<Observations> channels;
   std::vector<std::size_t> frames;
   std::vector<State> filled;   ///< as measured
   std::vector<State> settled;  ///< by the last model
@@ -58,21 +60,23 @@ class FrameRows {
     gap_by_q_ = by_parameter * moving_;
     // the way to equilibrium, at q_0 (column 0) and its change with q
     const Eigen::Index columns = gap_by_q_.cols() + 1;
-    way_.resize(state.x.size(), columns);
-    pull_.resize(state.x.size(), columns);
+    way_.x.resize(state.x.size(), columns);
+    way_.gradient.resize(state.x.size(), columns);
     Eigen::VectorXd force, by_unknown, moved;
     for (Eigen::Index c = 0; c < columns; ++c) {
-      force = c == 0 ? value_.by_node : gap_by_q_.col(c - 1);
-      if (c == 0)
-        by_unknown = value_.by_unknown;  // cords and weight of free clips are in it
-      else
+      // at the shape itself the gap is part of the state: only what the way adds is a change
+      force.setZero(state.x.size());
+      by_unknown = value_.by_unknown;  // cords and weight of free clips are in it
+      if (c > 0) {
+        force = gap_by_q_.col(c - 1);
         site.unknowns->restrict_to(state, force, by_unknown);
+      }
       site.factor->solve(by_unknown.data(), by_unknown.data(), 1);
       by_unknown = -by_unknown;
       site.unknowns->expand(state, by_unknown, moved);
       value_.node_stiffness.multiply_add(moved.data(), force.data());
-      way_.col(c) = moved;
-      pull_.col(c) = force;
+      way_.x.col(c) = moved;
+      way_.gradient.col(c) = force;
     }
     write(state);
     return true;
@@ -91,50 +95,32 @@ class FrameRows {
     return false;
   }
 
-  void add_row(Eigen::RowVectorXd with_q, double measured, double sigma) {
-    const Eigen::Index row = used_++;
-    b_[row] = (measured - with_q[0]) / sigma;
-    a_.row(row) = with_q.tail(with_q.size() - 1) / sigma;
+  static bool counts(ObservationKind kind, GapRows rows) {
+    return rows == GapRows::all || (rows == GapRows::forces && kind == ObservationKind::force) ||
+           (rows == GapRows::positions && kind == ObservationKind::position);
   }
 
+  /// Values at the shape, moved by the way to equilibrium (column 0) and its change with q.
   void write(const State& state) {
     const Sequence& sequence = *measured_.sequence;
-    const SequenceFrame& at = sequence.frames[frame_];
-    const auto most = static_cast<Eigen::Index>(3 * sequence.points.size() + sequence.forces.size());
-    a_.resize(most, moving_.cols());
-    b_.resize(most);
-    used_ = 0;
-    if (measured_.rows != GapRows::forces) {
-      for (std::size_t k = 0; k < sequence.points.size(); ++k) {
-        const MaterialLocation& place = measured_.shape->locations()[k];
-        for (int c = 0; c < 3; ++c) {
-          const double seen = at.points_m(c, static_cast<Eigen::Index>(k));
-          if (std::isnan(seen)) continue;
-          Eigen::RowVectorXd predicted = Eigen::RowVectorXd::Zero(way_.cols());
-          for (std::size_t n = 0; n < 3; ++n)
-            predicted += place.weight[n] * way_.row(3 * static_cast<Eigen::Index>(place.nodes[n]) + c);
-          predicted[0] += place.position(state.x)[c];
-          add_row(predicted, seen, sequence.points[k].sigma_m);
-        }
-      }
+    const Observations& channels = *measured_.channels;
+    a_.resize(channels.count(), moving_.cols());
+    b_.resize(channels.count());
+    Eigen::Index used = 0;
+    Observation seen;
+    Eigen::RowVectorXd change;
+    for (int c = 0; c < channels.count(); ++c) {
+      const double measured = channels.measured(sequence.frames[frame_], c);
+      if (std::isnan(measured) || !counts(channels.kind(sequence, c), measured_.rows)) continue;
+      channels.observe(sequence, c, {measured_.shape->boundary(frame_), state, value_.by_node},
+                       seen);
+      change_of(seen, way_, change);
+      const double sigma = channels.sigma(sequence, c);
+      b_[used] = (measured - seen.value - change[0]) / sigma;
+      a_.row(used++) = change.tail(change.size() - 1) / sigma;
     }
-    if (measured_.rows != GapRows::positions) {
-      for (std::size_t k = 0; k < sequence.forces.size(); ++k) {
-        const ForceChannel& force = sequence.forces[k];
-        const double seen = at.forces_N[static_cast<Eigen::Index>(k)];
-        if (std::isnan(seen)) continue;
-        const mechanics::Clip& clip =
-            measured_.shape->boundary(frame_).clips[static_cast<std::size_t>(force.clip)];
-        Eigen::RowVectorXd predicted = Eigen::RowVectorXd::Zero(way_.cols());
-        for (const int node : clip.nodes)
-          predicted += force.direction.transpose() *
-                       pull_.middleRows<3>(3 * static_cast<Eigen::Index>(node));
-        predicted[0] -= force.direction.dot(clip.mass_kg * sequence.loads.gravity_m_s2);
-        add_row(predicted, seen, force.sigma_N);
-      }
-    }
-    a_.conservativeResize(used_, Eigen::NoChange);
-    b_.conservativeResize(used_);
+    a_.conservativeResize(used, Eigen::NoChange);
+    b_.conservativeResize(used);
   }
 
   Measured& measured_;
@@ -142,9 +128,9 @@ class FrameRows {
   const Eigen::VectorXd& parameters_;
   const Eigen::MatrixXd& moving_;
   PotentialValue value_;
-  Eigen::MatrixXd gap_by_q_, way_, pull_, a_;
+  Eigen::MatrixXd gap_by_q_, a_;
   Eigen::VectorXd b_;
-  Eigen::Index used_ = 0;
+  mechanics::Sensitivity way_;
 };
 
 class Gap {
@@ -282,6 +268,7 @@ Expected<GapResult> equation_gap(const model::Model& model, const ParameterTies&
     m.model = std::make_unique<MeshModel>(std::move(*bound));
     auto shape = MeasuredShape::make(*m.model, *given.sequence);
     if (!shape) return tl::unexpected(shape.error());
+    m.channels = std::make_unique<Observations>(*given.sequence);
     m.shape = std::make_unique<MeasuredShape>(std::move(*shape));
     m.frames = even_frames(given.sequence->frames.size(), options.most_frames);
     measured.push_back(std::move(m));

@@ -38,20 +38,20 @@ struct GapSequence {
 };
 
 struct GapOptions {
-  int most_frames = 8;     ///< of a sequence, evenly over it
-  int most_rounds = 8;     ///< with a new K
-  double enough = 1e-3;    ///< relative change of every q after which no round follows
-  double widest = 30.0;    ///< factor by which a round may change q, the last one aside
+  int most_frames = 8;   ///< of a sequence, evenly over it
+  int most_rounds = 8;   ///< with a new K
+  double enough = 1e-3;  ///< relative change of every q after which no round follows
+  double widest = 30.0;  ///< factor by which a round may change q, the last one aside
 };
 
 struct GapResult {
-  Eigen::VectorXd q;           ///< of all free numbers; the fixed ones as they were
+  Eigen::VectorXd q;  ///< of all free numbers; the fixed ones as they were
   std::vector<bool> is_at_bound;
-  int frames = 0;              ///< that were used
-  int frames_left_out = 0;     ///< without a shape or a stiffness
+  int frames = 0;           ///< that were used
+  int frames_left_out = 0;  ///< without a shape or a stiffness
   int rounds = 0;
-  int rank = 0;                ///< of the free numbers that are not fixed
-  double misfit = 0.0;         ///< root mean square of r at q
+  int rank = 0;         ///< of the free numbers that are not fixed
+  double misfit = 0.0;  ///< root mean square of r at q
 };
 
 /// bad_input as MeshModel::make and check(); refused where no frame could be used.

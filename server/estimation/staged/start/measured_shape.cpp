@@ -20,7 +20,8 @@ Expected<MeasuredShape> MeasuredShape::make(const mechanics::MeshModel& model,
     shape.locations_.push_back(*locate(sequence.cloth.mesh, point.material_m));
     sum += point.sigma_m * point.sigma_m;
   }
-  shape.sigma_m_ = std::sqrt(sum / std::max<double>(1.0, static_cast<double>(sequence.points.size())));
+  shape.sigma_m_ =
+      std::sqrt(sum / std::max<double>(1.0, static_cast<double>(sequence.points.size())));
   const auto& material = sequence.cloth.mesh.material_m;
   // the far corner of a hinge as an affine combination of the other three
   double length = 0.0;
@@ -124,8 +125,9 @@ double MeasuredShape::spring_stiffness(std::size_t frame, const PotentialValue& 
   const mechanics::SymmetricPattern& pattern = site(frame).unknowns->pattern();
   double sum = 0.0;
   for (int j = 0; j < pattern.size; ++j)
-    sum += value.stiffness[static_cast<std::size_t>(
-        pattern.column_start[static_cast<std::size_t>(j)])];
+    sum +=
+        value
+            .stiffness[static_cast<std::size_t>(pattern.column_start[static_cast<std::size_t>(j)])];
   return sum / pattern.size * std::pow(1e-3 * edge_m_ / std::max(sigma_m_, 1e-9 * edge_m_), 2);
 }
 

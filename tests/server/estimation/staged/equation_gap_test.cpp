@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "common/model/presets.h"
+#include "server/estimation/staged/start/multi_start.h"
 #include "tests/server/estimation/staged/small_rig.h"
 
 namespace tenter::estimation {
@@ -19,6 +22,7 @@ model::Model far_from(const model::Model& truth) {
 
 std::vector<GapSequence> all_rows(const std::vector<RoleSequence>& measured) {
   std::vector<GapSequence> sequences;
+  sequences.reserve(measured.size());
   for (const RoleSequence& s : measured) sequences.push_back({&s.sequence, GapRows::all});
   return sequences;
 }
@@ -52,6 +56,39 @@ TEST(EquationGap, ComesNearWithTheRigsNoise) {
   ASSERT_TRUE(gap) << gap.error().message;
   for (std::size_t k = 0; k < 5; ++k)  // twist hardly shows in these sequences
     EXPECT_NEAR(gap->q[static_cast<Eigen::Index>(k)] / hidden[k], 1.0, 0.15) << k;
+}
+
+TEST(MultiStart, ReachesTheBestBasinMoreOftenWithAGuess) {
+  model::Model truth = model::preset("cloth_stvk").value();
+  const std::vector<double> hidden = {45.0, 80.0, 9.0, 2e-5, 6e-5, 3e-5};
+  for (std::size_t k = 0; k < hidden.size(); ++k) parameters_of(truth)[k]->value = hidden[k];
+  RigOptions rig;
+  rig.nodes = 5;
+  rig.frames = 3;
+  std::vector<Sequence> one = {measured_in_rig(Role::evaluation, truth, rig).sequence};
+  const ParameterTies ties = no_ties(truth);
+  const auto starts = random_starts(ties, 6, 30.0, 3);
+  ASSERT_EQ(starts.size(), 6U);
+  EXPECT_NE(starts[0], starts[1]);
+  EXPECT_LE((starts[2].array() / ties.values().array()).log().abs().maxCoeff(), std::log(30.0));
+  MultiStartOptions options;
+  options.fit.max_iterations = 20;
+  options.guess = true;
+  const auto one_thread = multi_start(truth, ties, one, starts, options);
+  options.threads = 2;
+  const auto two_threads = multi_start(truth, ties, one, starts, options);
+  ASSERT_TRUE(one_thread && two_threads);
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    EXPECT_EQ((*one_thread)[k].cost, (*two_threads)[k].cost);
+    EXPECT_EQ((*one_thread)[k].start, (*two_threads)[k].start);
+    EXPECT_GE((*one_thread)[k].cost, (*one_thread)[0].cost);
+  }
+  options.guess = false;
+  const auto plain = multi_start(truth, ties, one, starts, options);
+  ASSERT_TRUE(plain);
+  EXPECT_GE(in_best_basin(*one_thread, 0.05), 5);
+  EXPECT_GE(in_best_basin(*one_thread, 0.05), in_best_basin(*plain, 0.05));
+  EXPECT_LE(one_thread->front().cost, plain->front().cost * (1.0 + 1e-3));
 }
 
 }  // namespace

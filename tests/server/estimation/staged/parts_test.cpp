@@ -68,6 +68,7 @@ TEST(ParameterTies, JacobianGoesThroughTheMap) {
   const model::Model model = curved_cloth();
   const auto measured = measured_in_rig(model, {});
   std::vector<Sequence> sequences;
+  sequences.reserve(measured.size());
   for (const RoleSequence& s : measured) sequences.push_back(s.sequence);
   auto evaluator = SequenceEvaluator::make(model, sequences, {1, 1e-11}).value();
   auto ties = tie_terms(model, {{"weft", "warp"}, {"bend_weft", "bend_diagonal"}}).value();

@@ -47,13 +47,15 @@ TEST(StagedFit, FindsTheCurvesThatWereHidden) {
   rig.force_sigma_N = 3e-4;
   const auto measured = measured_in_rig(truth, rig);
   auto start = model::preset("cloth_stvk_spline").value();
-  const auto fit = staged_fit(start, measured, with_threads(2));
+  StagedOptions options = with_threads(2);
+  options.stage.weighting.rule = WeightingRule::by_noise;
+  const auto fit = staged_fit(start, measured, options);
   ASSERT_TRUE(fit) << fit.error().message;
-  ASSERT_EQ(fit->stages.size(), 7U);
+  ASSERT_EQ(fit->stages.size(), 12U);
   for (const StageRecord& stage : fit->stages) {
     EXPECT_TRUE(stage.done) << stage.name << ": " << stage.message;
     EXPECT_TRUE(stage.dropped.empty()) << stage.name;
-    EXPECT_LE(stage.cost_after, stage.cost_before * (1.0 + 1e-9)) << stage.name;
+    EXPECT_LE(stage.cost_after, stage.cost_before * (1.0 + 1e-3)) << stage.name;
   }
   EXPECT_GE(stage_of(*fit, "stretch_u").refinements.size(), 3U);
   // the noise floor is reached in the end
@@ -90,8 +92,8 @@ TEST(StagedFit, StopsWhereAPointMoreBringsNothing) {
   const auto record = fit_stage(model, {"stretch_u", {"weft"}, {}, {pulled}}, options);
   ASSERT_TRUE(record) << record.error().message;
   ASSERT_TRUE(record->done) << record->message;
-  ASSERT_EQ(record->refinements.size(), 2U);  // one point, and two in vain
-  EXPECT_FALSE(record->refinements[1].kept);
+  ASSERT_EQ(record->refinements.size(), 3U);  // one point; two and three in vain
+  EXPECT_FALSE(record->refinements[1].kept || record->refinements[2].kept);
   ASSERT_EQ(model.terms[0].law.parameters.size(), 1U);
   EXPECT_NEAR(model.terms[0].law.parameters[0].value, 45.0, 0.5);
   EXPECT_TRUE(record->guessed);
@@ -102,12 +104,12 @@ TEST(StagedFit, TiedTermsShareOneCurveFittedToBothSequences) {
   RigOptions rig;
   const auto measured = measured_in_rig(truth, rig);
   StagedOptions options = with_threads(1);
-  options.coupled = false;
+  options.coupled = options.repeat = false;
   options.ties = {{"weft", "warp"}, {"bend_weft", "bend_warp"}};
   const auto fit = staged_fit(model::preset("cloth_stvk_spline").value(), measured, options);
   ASSERT_TRUE(fit) << fit.error().message;
-  ASSERT_EQ(fit->stages.size(), 4U);
-  EXPECT_EQ(fit->stages[0].name, "stretch_u+stretch_v");
+  ASSERT_EQ(fit->stages.size(), 5U);
+  EXPECT_EQ(fit->stages[1].name, "stretch_u+stretch_v");
   const model::Law& weft = fit->model.terms[0].law;
   const model::Law& warp = fit->model.terms[1].law;
   ASSERT_EQ(weft.parameters.size(), warp.parameters.size());
@@ -115,7 +117,7 @@ TEST(StagedFit, TiedTermsShareOneCurveFittedToBothSequences) {
   for (std::size_t k = 0; k < weft.parameters.size(); ++k)
     EXPECT_EQ(weft.parameters[k].value, warp.parameters[k].value);
   // a compromise: misfit is far above the noise, and between the two truths
-  EXPECT_GT(fit->stages[0].cost_after, 10.0 * fit->stages[0].rows);
+  EXPECT_GT(fit->stages[1].cost_after, 10.0 * fit->stages[1].rows);
   const double stress = stress_of(fit->model.terms[0], 0.01);
   EXPECT_GT(stress, stress_of(truth.terms[0], 0.01));
   EXPECT_LT(stress, stress_of(truth.terms[1], 0.01));
@@ -147,9 +149,9 @@ TEST(StagedFit, SaysWhatItLeftOut) {
   StagedOptions options = with_threads(1);
   const auto fit = staged_fit(model::preset("cloth_stvk_spline").value(), measured, options);
   ASSERT_TRUE(fit) << fit.error().message;
-  EXPECT_FALSE(fit->stages[0].done);
-  EXPECT_EQ(fit->stages[0].dropped.size(), 4U);
-  EXPECT_FALSE(fit->stages[0].message.empty());
+  EXPECT_FALSE(fit->stages[1].done);
+  EXPECT_EQ(fit->stages[1].dropped.size(), 4U);
+  EXPECT_FALSE(fit->stages[1].message.empty());
   EXPECT_EQ(stage_of(*fit, "shear").message, "there is no sequence");
 }
 
@@ -165,7 +167,7 @@ TEST(StagedFit, StopsWhenAsked) {
   ASSERT_TRUE(fit) << fit.error().message;
   EXPECT_TRUE(fit->stopped);
   EXPECT_EQ(calls, 3);
-  EXPECT_LT(fit->stages.size(), 7U);
+  EXPECT_LT(fit->stages.size(), 12U);
 }
 
 }  // namespace

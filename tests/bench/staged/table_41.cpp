@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Table 4.1 of the thesis for the twins of its two fabrics (A: #12, B: #14): the energy grows by an
+// addend a step; training errors as in the thesis, and those of the held-out sequences.
+//
+//   tenter-bench-table-41 [--nodes=17] [--frames=20] [--threads=2] [--fabrics=12,14] [--cord=0.1]
+#include <chrono>
+#include <cstdio>
+#include <sstream>
+
+#include "server/estimation/staged/tables/progressive.h"
+#include "tests/bench/staged/twin_rig.h"
+
+int main(int argc, char** argv) {
+  using namespace tenter;
+  using Clock = std::chrono::steady_clock;
+  bench::RigSettings rig;
+  rig.nodes = std::stoi(bench::argument(argc, argv, "nodes", "17"));
+  rig.frames = std::stoi(bench::argument(argc, argv, "frames", "20"));
+  rig.cord_loop_N = std::stod(bench::argument(argc, argv, "cord", "0"));
+  estimation::StageOptions options;
+  options.threads = std::stoi(bench::argument(argc, argv, "threads", "2"));
+  std::stringstream fabrics(bench::argument(argc, argv, "fabrics", "12,14"));
+  for (std::string fabric; std::getline(fabrics, fabric, ',');) {
+    const auto training = bench::fitting_sequences(fabric, rig);
+    const auto held_out = bench::evaluation_sequences(fabric, rig);
+    const auto start = Clock::now();
+    const auto rows = estimation::progressive_fit(training, held_out, options);
+    if (!rows) {
+      std::fprintf(stderr, "#%s: %s\n", fabric.c_str(), rows.error().message.c_str());
+      continue;
+    }
+    std::printf("#%s        training: mm        N   held out: mm        N   cost  iterations\n",
+                fabric.c_str());
+    for (const auto& row : *rows) {
+      std::printf("%-12s %12.4f %8.4f %14.4f %8.4f  %.4g  %d", row.name.c_str(),
+                  row.training.position_mm, row.training.force_N, row.held_out.position_mm,
+                  row.held_out.force_N, row.cost, row.iterations);
+      if (row.dropped > 0) std::printf("  %d frames dropped", row.dropped);
+      if (row.training.restless + row.held_out.restless > 0)
+        std::printf("  %d and %d frames without a rest", row.training.restless,
+                    row.held_out.restless);
+      std::printf("\n");
+    }
+    std::printf("%.1f s with %d threads, peak memory %.0f MB\n\n",
+                std::chrono::duration<double>(Clock::now() - start).count(), options.threads,
+                bench::peak_memory_MB());
+  }
+  return 0;
+}

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/bench/staged/twin_rig.h"
+
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+#include "tests/twin/fabrics/protocols.h"
+#include "tests/twin/fabrics/sequences/rig_noise.h"
+#include "tests/twin/fabrics/sequences/same_mesh.h"
+#include "tests/twin/random.h"
+
+namespace tenter::bench {
+namespace {
+
+using estimation::Role;
+using estimation::RoleSequence;
+
+RoleSequence measured(const twin::Fabric& fabric, const std::string& protocol, Role role,
+                      const RigSettings& settings) {
+  twin::GridOptions grid;
+  grid.nodes = settings.nodes;
+  auto twin = twin::same_mesh_twin(
+      fabric, twin::make_protocol(fabric, protocol, {settings.frames, settings.nodes - 1}), grid);
+  if (!twin) {
+    std::fprintf(stderr, "%s of #%s: %s\n", protocol.c_str(), fabric.id.c_str(),
+                 twin.error().message.c_str());
+    std::exit(1);
+  }
+  twin::Random random(twin::stream_seed(settings.seed, fabric.id + protocol));
+  add_rig_noise({true, settings.cord_loop_N}, random, twin->sequence);
+  return {role, std::move(twin->sequence)};
+}
+
+std::vector<RoleSequence> all(const std::string& id,
+                              const std::vector<std::pair<std::string, Role>>& protocols,
+                              const RigSettings& settings) {
+  std::vector<RoleSequence> sequences;
+  sequences.reserve(protocols.size());
+  for (const auto& [protocol, role] : protocols)
+    sequences.push_back(measured(twin::fabric(id), protocol, role, settings));
+  return sequences;
+}
+
+}  // namespace
+
+std::vector<RoleSequence> fitting_sequences(const std::string& fabric,
+                                            const RigSettings& settings) {
+  return all(fabric,
+             {{"stretch_u", Role::stretch_u},
+              {"stretch_v", Role::stretch_v},
+              {"shear", Role::shear},
+              {"bend_u", Role::bend_u},
+              {"bend_v", Role::bend_v}},
+             settings);
+}
+
+std::vector<RoleSequence> evaluation_sequences(const std::string& fabric,
+                                               const RigSettings& settings) {
+  return all(fabric, {{"complex_shear", Role::evaluation}, {"corner_pull", Role::evaluation}},
+             settings);
+}
+
+double peak_memory_MB() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+std::string argument(int argc, char** argv, const std::string& name, const std::string& otherwise) {
+  const std::string start = "--" + name + "=";
+  for (int k = 1; k < argc; ++k)
+    if (std::string(argv[k]).rfind(start, 0) == 0) return std::string(argv[k]).substr(start.size());
+  return otherwise;
+}
+
+}  // namespace tenter::bench

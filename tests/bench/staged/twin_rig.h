@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The twin fabrics in the rig, as staged fits take them; and how much memory a program took.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/estimation/staged/roles.h"
+#include "tests/twin/fabrics/fabric.h"
+
+namespace tenter::bench {
+
+struct RigSettings {
+  int nodes = 25;
+  int frames = 40;
+  double cord_loop_N = 0.0;  ///< 0.1: as the thesis measured
+  unsigned seed = 1;
+};
+
+/// The five sequences for fits, or the two for evaluation. Exits where a twin has no rest.
+std::vector<estimation::RoleSequence> fitting_sequences(const std::string& fabric,
+                                                        const RigSettings& settings);
+std::vector<estimation::RoleSequence> evaluation_sequences(const std::string& fabric,
+                                                           const RigSettings& settings);
+
+double peak_memory_MB();
+
+/// "--name=value" of a command line, or what is given.
+std::string argument(int argc, char** argv, const std::string& name, const std::string& otherwise);
+
+}  // namespace tenter::bench

@@ -6,15 +6,15 @@
 //
 // What the simulator makes of it (G the Green strain tensor, G12 half of our green_uv):
 //
-//   membrane  Psi = c11 G11^2 + 2 c12 G11 G22 + c22 G22^2 + 2 c33 G12^2, with secant stiffnesses
-//   c(G)
-//             N/m; it doubles what it reads, so c11 is half of our k, and c33 is our k.
-//             First row: at rest. Rows 2 to 6: the larger principal stretch at 1 + 1/6, pulled at
-//             0, 22.5, 45, 67.5, 90 degrees from the weft; linear between, constant beyond; what is
-//             negative counts as zero. Under compression: the first row.
-//   bending   energy of an edge  ke (l theta)^2 / (8 a),  a the area of both triangles; ours is
-//             k/2 (3 l theta/a)^2 a/3, so ke = 12 k. Rows: edges along the weft (our bend_v), at 45
-//             degrees (bend_d), along the warp (bend_u); columns: our curvature 0, 30 ... 120 1/m.
+//   membrane  Psi = c11 G11^2 + 2 c12 G11 G22 + c22 G22^2 + 2 c33 G12^2, the c(G) secant
+//             stiffnesses, N/m; it doubles what it reads, so c11 is half of our k, and c33 is
+//             our k. First row: at rest. Rows 2 to 6: the larger principal stretch at 1 + 1/6,
+//             pulled at 0, 22.5, 45, 67.5, 90 degrees from the weft; linear between, constant
+//             beyond; negative counts as zero. Under compression: the first row.
+//   bending   energy of an edge ke (l theta)^2 / (8 a), a the area of both triangles; ours is
+//             k/2 (3 l theta/a)^2 a/3, so ke = 12 k. Rows: edges along the weft (our bend_v),
+//             at 45 degrees (bend_d), along the warp (bend_u); columns: our curvature 0, 30,
+//             60, 90, 120 1/m.
 //
 // Both simulators multiply the strain by a secant stiffness, so linear laws go over exactly. A
 // spline keeps its values at those samples; between them it becomes straight, and beyond them

@@ -2,14 +2,14 @@
 // A fit whose energy stays convex (thesis 4.3): 1. an update of the parameters, 2. its convex
 // projection, 3. equilibrium on all examples, until nothing is gained.
 //
-//   p_bar = p - (J'J + mu D)^-1 J'r,   p+ = projection of p_bar;   kept where the cost falls, else
-//   mu grows;   D = diag J'J
+//   p_bar = p - (J'J + mu D)^-1 J'r,   D = diag J'J,   p+ = projection of p_bar
+//
+// p+ is kept where the cost falls, else mu grows.
 //
 //   Metric::parameters  projects by |p - p_bar|, as the thesis does
-//   Metric::data        projects by J'J + mu D: p+ is then the best of all convex parameters for
-//   the
-//                       update's own quadratic model, so that a step is gained wherever there is
-//                       one
+//   Metric::data        projects by J'J + mu D: p+ is then the best of all convex parameters
+//                       for the update's own quadratic model, and a step is gained wherever
+//                       there is one
 //
 // A point without equilibrium shortens the step. Rows count by evaluator.weights(). Deterministic.
 //

@@ -105,6 +105,7 @@ struct ConvexityConstraints::Builder {
 
   std::vector<double> samples_of(const Term& term) const {
     std::vector<double> at;
+    at.reserve(static_cast<std::size_t>(options.samples));
     for (int i = 0; i < options.samples; ++i)
       at.push_back(term.lo + (term.hi - term.lo) * i / std::max(options.samples - 1, 1));
     if (term.row->spline && !term.row->grid && term.law->parameter_count() > 1)

@@ -4,11 +4,10 @@
 //
 //   C_ijk = lambda_j(H(Psi_i(p, eps_k))) >= 0
 //
-//   addends of one strain     d2Psi_i/deps2 of the addend alone: a row that is linear in p
-//   addends of two strains    the 2 x 2 Hessian of the full energy in the addend's two strains,
-//   that
-//                             is of all terms that act at the same place: lambda_min >= 0 of a
-//                             matrix that is linear in p, a convex cone
+//   addends of one strain   d2Psi_i/deps2 of the addend alone: a row that is linear in p
+//   addends of two strains  the 2 x 2 Hessian of the full energy in the addend's two strains,
+//                           of all terms that act at the same place: lambda_min >= 0 of a
+//                           matrix that is linear in p, a convex cone
 //
 // and the parameters' own bounds. The full energy is taken at the right Cauchy-Green tensor nearest
 // to rest (in C) that has the two strains. Laws that are linear in their parameters count (linear,

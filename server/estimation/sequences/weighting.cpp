@@ -43,6 +43,7 @@ Expected<Eigen::VectorXd> row_weights(const std::vector<Row>& rows,
   std::vector<double> rows_of(sequences.size(), 0.0);
   for (const Row& row : rows) rows_of[static_cast<std::size_t>(row.curve)] += 1.0;
   std::vector<Observations> channels;
+  channels.reserve(sequences.size());
   for (const Sequence& sequence : sequences) channels.emplace_back(sequence);
   Eigen::VectorXd weights(static_cast<Eigen::Index>(rows.size()));
   for (std::size_t k = 0; k < rows.size(); ++k) {

@@ -223,6 +223,19 @@ TEST(Observations, AStripIsPushedOverAnEdge) {
     EXPECT_LT(lower, drop - 1e-3);             // hangs lower the farther it is pushed
     drop = lower;
   }
+  // on the way of a fit, too, threads change nothing
+  auto other = SequenceEvaluator::make(cloth_model(true_values()), {sequence}, {2}).value();
+  evaluator = SequenceEvaluator::make(cloth_model(true_values()), {sequence}, {}).value();
+  Eigen::VectorXd other_residuals;
+  RowMatrix other_jacobian;
+  for (auto* each : {&evaluator, &other}) each->set_accuracy(Accuracy::stepping);
+  for (const double scale : {1.0, 1.2, 0.9}) {
+    const Eigen::VectorXd at = scale * true_values();
+    ASSERT_EQ(evaluator.evaluate(at, residuals, &jacobian), mechanics::PathStatus::ok);
+    ASSERT_EQ(other.evaluate(at, other_residuals, &other_jacobian), mechanics::PathStatus::ok);
+    EXPECT_EQ(residuals, other_residuals);
+    EXPECT_EQ(jacobian, other_jacobian);
+  }
 }
 
 }  // namespace

@@ -187,6 +187,43 @@ TEST(Sensitivity, ByDisplacementOfWhatIsHeld) {
   }
 }
 
+/// After a small change of parameters one factorisation serves the solve and its derivatives, which
+/// are off by what the stiffness changed on the way.
+TEST(Sensitivity, OneFactorServesASolveAndItsDerivatives) {
+  ClothBetween setup;
+  setup.add_clip("lower", 0);
+  setup.add_clip("upper", 8);
+  setup.start.clips[1].position_m += Eigen::Vector3d(0.01, 0.006, 0.003);
+  auto solver = EquilibriumSolver::make(setup.model, setup.boundary).value();
+  EquilibriumOptions options = to_rounding();
+  const Solved at = solve(solver, setup, setup.parameters, setup.start, options);
+  options = near(options);
+  options.tolerance_N = 1e-9;
+  options.predict = false;
+  double far = 0.0;
+  for (const double part : {1e-2, 1e-3}) {
+    const Eigen::VectorXd parameters = (1.0 + part) * setup.parameters;
+    EquilibriumOptions frugal = options;
+    frugal.reuse_factor = true;
+    const Solved cheap = solve(solver, setup, parameters, at.state, frugal);
+    EXPECT_EQ(cheap.result.factorisations, 1);
+    const auto roughly = sensitivity_by_parameter(solver, parameters, cheap.state);
+    ASSERT_TRUE(roughly) << roughly.error().message;
+    const Solved dear = solve(solver, setup, parameters, at.state, options);
+    EXPECT_GT(dear.result.factorisations, 1);
+    const auto exactly = sensitivity_by_parameter(solver, parameters, dear.state);
+    ASSERT_TRUE(exactly) << exactly.error().message;
+    EXPECT_LT((cheap.state.x - dear.state.x).norm(), 1e-3 * (dear.state.x - at.state.x).norm());
+    const double off = (roughly->x - exactly->x).norm() / exactly->x.norm();
+    EXPECT_LT(off, 10.0 * part);
+    if (far > 0.0) {
+      EXPECT_LT(off, 0.2 * far);  // in proportion to the way
+    }
+    far = off;
+  }
+  EXPECT_GT(far, 0.0);
+}
+
 TEST(Sensitivity, IsRefusedWithoutAStableEquilibrium) {
   ClothBetween setup;
   setup.boundary.held = setup.row(0);

@@ -19,8 +19,8 @@ int main(int count, char** arguments) {
   for (const char* id : {"4", "12", "14", "18"}) {
     const twin::Fabric cloth = twin::reached_everywhere(twin::fabric(id));
     const twin::Coverage result = twin::coverage_of(cloth, {.seeds = seeds, .threads = threads});
-    std::printf("\n#%s %s: %d usable fits, chi2 per degree %.4f\n", id, cloth.name.c_str(),
-                result.usable, result.chi2_per_degree);
+    std::printf("\n#%s %s: %d usable fits, %d begun again, chi2 per degree %.4f\n", id,
+                cloth.name.c_str(), result.usable, result.restarted, result.chi2_per_degree);
     std::printf("%-18s %12s %12s %8s %8s %6s\n", "parameter", "truth", "std error", "mean off",
                 "spread", "held");
     is_right = is_right && result.usable == seeds;

@@ -48,7 +48,7 @@ Protocol stretch(const Fabric& fabric, bool along_u, const ProtocolOptions& opti
   const double farthest_m =
       (side - 2.0 * depth) * (along_u ? fabric.limits.stretch_u : fabric.limits.stretch_v);
   constexpr double kTaut = 0.06;  // share of the way that keeps the sheet from hanging through
-  constexpr int kFewest = 18;  // with which three loops see several elongations
+  constexpr int kFewest = 18;     // with which three loops see several elongations
   for (int f = 0; f < options.frames; ++f) {
     const Phase phase = loop_phase(f, options.frames, options.frames < kFewest ? 1 : 3);
     const double way_m = farthest_m * (kTaut + (1.0 - kTaut) * phase.value);
@@ -95,7 +95,7 @@ Protocol bend(const Fabric& fabric, bool along_u, const ProtocolOptions& options
   for (int f = 0; f < options.frames; ++f) {
     const Phase phase = loop_phase(f, options.frames, 1);
     const int over = fewest + static_cast<int>(std::lround(phase.value * (most - fewest)));
-    const double edge = side * (options.cells - over) / options.cells;
+    const double edge = side * (options.cells - over + 0.5) / options.cells;
     p.frames.push_back(
         {{}, along_u ? Region{0.0, edge, 0.0, side} : Region{0.0, side, 0.0, edge}, phase.branch});
   }

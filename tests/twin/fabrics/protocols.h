@@ -11,8 +11,9 @@
 //   corner_pull            four small clips: the two diagonals are pulled in turn
 //
 // Material coordinates (u, v) run from 0 to the side; at rest the sheet lies in z = 0 with x = u,
-// y = v, gravity along -z. Clips grip, and the table's edge lies, on lines of a lattice of `cells`
-// cells: a simulated grid of as many cells, or a whole multiple, can have the same ones.
+// y = v, gravity along -z. Clips grip up to lines of a lattice of `cells` cells: a simulated grid
+// of as many cells, or a whole multiple, can have the same ones. The table's edge lies half way
+// between two lines.
 //
 //   Protocol protocol = make_protocol(fabric("18"), "stretch_u", {.frames = 40});
 //

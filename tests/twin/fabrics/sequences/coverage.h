@@ -32,12 +32,14 @@ struct ParameterCoverage {
   std::string name;  ///< "term.parameter"
   double truth = 0.0;
   int held = 0;                 ///< seeds whose interval holds the truth
+  int at_bound = 0;             ///< seeds without an interval: not held
   double mean_off = 0.0;        ///< mean of (fitted - truth) / standard error
   double spread = 0.0;          ///< standard deviation of that
   double relative_error = 0.0;  ///< mean standard error over the truth
 };
 
 struct Coverage {
+  int restarted = 0;             ///< fits that ended off the noise floor and were begun again
   int usable = 0;                ///< fits that ended with intervals
   double chi2_per_degree = 0.0;  ///< mean
   std::vector<ParameterCoverage> parameters;

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tenter-bench-cross-twin [fabric] [nodes] [frames] [friction 0|1]: the five sequences of a twin
+// from the smooth sheet, which shares nothing with the fit, are fitted on a grid; then how far the
+// curves are off, and how well the two sequences that were left out are predicted, beside the
+// noise.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <string>
+
+#include "common/model/catalogue.h"
+#include "server/estimation/fit.h"
+#include "server/estimation/sequences/sequence_evaluator.h"
+#include "server/mechanics/law.h"
+#include "tests/twin/fabrics/sequences/coverage.h"
+#include "tests/twin/fabrics/sequences/cross_twin.h"
+#include "tests/twin/fabrics/sequences/fabric_model.h"
+#include "tests/twin/fabrics/sequences/rig_noise.h"
+
+namespace {
+
+using namespace tenter;
+using estimation::Sequence;
+using estimation::SequenceEvaluator;
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Largest strain of a mode in the sequences for fits: what its curve is judged over.
+double reach(const twin::Fabric& cloth, twin::Mode mode) {
+  const auto green = [](double e) { return e + 0.5 * e * e; };
+  switch (mode) {
+    case twin::Mode::stretch_u:
+      return green(cloth.limits.stretch_u);
+    case twin::Mode::stretch_v:
+      return green(cloth.limits.stretch_v);
+    case twin::Mode::shear:
+      return cloth.limits.shear * (1.0 + cloth.limits.frame_u) * (1.0 + cloth.limits.frame_v);
+    default:
+      return 40.0;  // 1/m
+  }
+}
+
+/// The fabric's own form, but a shear curve over what the data reach, and bending constant: all of
+/// it can be found.
+model::Model fitted_form(const twin::Fabric& cloth) {
+  model::Model model = twin::fabric_model(cloth);
+  for (std::size_t m = 2; m < model.terms.size(); ++m) {
+    model::Law& law = model.terms[m].law;
+    const bool is_curve = law.parameters.size() > 1 && m == 2;
+    const double stiffness = law.parameters[law.parameters.size() / 2].value;
+    law.name = is_curve ? "hermite_stiffness" : "linear";
+    law.range_hi = is_curve ? std::min(law.range_hi, reach(cloth, twin::Mode::shear)) : 0.0;
+    law.range_lo = is_curve ? -law.range_hi : 0.0;
+    law.parameters =
+        model::default_parameters(*model::find_law(law.name), is_curve ? 5 : 1,
+                                  m < 3 ? model::Domain::membrane : model::Domain::hinge);
+    for (model::Parameter& parameter : law.parameters) parameter.value = stiffness;
+  }
+  return twin::poor_start(model);
+}
+
+/// Thesis 3.4.1: stretch is fitted to forces, shear to those along the clips, bending to positions.
+Sequence as_fitted(Sequence sequence) {
+  const bool is_bend = sequence.name.starts_with("bend");
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  for (auto& frame : sequence.frames) {
+    if (!is_bend) frame.points_m.setConstant(kNone);
+    for (Eigen::Index k = 0; k < frame.forces_N.size(); ++k)
+      if (sequence.name == "shear" && k % 2 == 0) frame.forces_N[k] = kNone;
+  }
+  return sequence;
+}
+
+void print_curves(const twin::Fabric& cloth, const model::Model& fitted) {
+  std::printf("  %-12s %14s %14s\n", "mode", "stress rms", "largest");
+  for (int m = 0; m < 5; ++m) {
+    const auto mode = static_cast<twin::Mode>(m);
+    const auto& description = fitted.terms[static_cast<std::size_t>(m)].law;
+    const auto law = mechanics::make_law(description, 1).value();
+    std::vector<double> parameters;
+    for (const auto& parameter : description.parameters) parameters.push_back(parameter.value);
+    double squares = 0.0, largest = 0.0;
+    constexpr int kSteps = 50;
+    const double size = cloth.curve(mode).at(reach(cloth, mode)).stress;
+    for (int k = 1; k <= kSteps; ++k) {
+      const double strain = reach(cloth, mode) * k / kSteps;
+      const double eps = twin::strain_scale(mode) * strain;
+      mechanics::LawOutput out;
+      law->clear(out);
+      law->evaluate({.strain = &eps, .parameters = parameters.data()}, out);
+      const double off = (out.stress[0] - cloth.curve(mode).at(strain).stress) / size;
+      squares += off * off / kSteps;
+      largest = std::max(largest, std::abs(off));
+    }
+    std::printf("  %-12s %13.2f%% %13.2f%%\n", fitted.terms[static_cast<std::size_t>(m)].id.c_str(),
+                100.0 * std::sqrt(squares), 100.0 * largest);
+  }
+  const auto k = [&](std::size_t term) { return fitted.terms[term].law.parameters[0].value; };
+  const double twist = 3.0 * k(5) + 0.75 * (k(3) + k(4));
+  std::printf("  %-12s %13.2f%%\n", "twist",
+              100.0 * (twist / cloth.curve(twin::Mode::bend_twist).stiffness(0.0) - 1.0));
+}
+
+/// Frames one by one, so that one without rest costs no other.
+void print_prediction(const Sequence& sequence, const model::Model& model) {
+  double position = 0.0, force = 0.0, largest_N = 0.0;
+  int positions = 0, forces = 0, lost = 0;
+  for (const auto& frame : sequence.frames) {
+    Sequence one = sequence;
+    one.frames = {frame};
+    one.start = *frame.start;
+    auto evaluator = SequenceEvaluator::make(model, {one}).value();
+    Eigen::VectorXd residuals;
+    Eigen::VectorXd parameters = mechanics::term_parameters(model);
+    if (evaluator.evaluate(parameters, residuals, nullptr) != mechanics::PathStatus::ok) {
+      ++lost;
+      continue;
+    }
+    for (int r = 0; r < evaluator.row_count(); ++r) {
+      const bool is_force = evaluator.rows()[static_cast<std::size_t>(r)].channel >=
+                            3 * static_cast<int>(one.points.size());
+      (is_force ? force : position) += residuals[r] * residuals[r];
+      ++(is_force ? forces : positions);
+    }
+    if (frame.forces_N.size() > 0)
+      largest_N = std::max(largest_N, frame.forces_N.cwiseAbs().maxCoeff());
+  }
+  const double p = std::sqrt(position / std::max(positions, 1));
+  const double f = std::sqrt(force / std::max(forces, 1));
+  std::printf("  %-14s position %8.3f mm = %7.1f noise", sequence.name.c_str(),
+              1e3 * p * sequence.points.front().sigma_m, p);
+  if (forces > 0)
+    std::printf("   force %8.4f N = %7.1f noise, %.2f %% of the largest",
+                f * sequence.forces.front().sigma_N, f,
+                100.0 * f * sequence.forces.front().sigma_N / largest_N);
+  if (lost > 0) std::printf("   %d frames without rest", lost);
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const std::string id = count > 1 ? arguments[1] : "18";
+  const int nodes = count > 2 ? std::atoi(arguments[2]) : 25;
+  const int frames = count > 3 ? std::atoi(arguments[3]) : 20;
+  const bool has_friction = count > 4 && std::atoi(arguments[4]) != 0;
+  const twin::Fabric cloth =
+      has_friction ? twin::fabric(id) : twin::without_friction(twin::fabric(id));
+  const int cells = nodes - 1;
+  std::printf("#%s %s, %d x %d nodes, %d frames a sequence, %s friction\n", id.c_str(),
+              cloth.name.c_str(), nodes, nodes, frames, has_friction ? "with" : "without");
+  std::vector<Sequence> training, left_out;
+  twin::Random random(twin::stream_seed(1, "rig"));
+  for (const std::string& name : twin::protocol_names()) {
+    const double begin = seconds();
+    twin::CrossOptions options;
+    options.grid.nodes = nodes;
+    auto made = twin::cross_twin(
+        cloth, twin::make_protocol(cloth, name, {.frames = frames, .cells = cells}), options);
+    if (!made) {
+      std::printf("  %s\n", made.error().message.c_str());
+      return 1;
+    }
+    std::printf("  %-14s made in %5.1f s: %d unknowns, %d steps of Newton's method\n", name.c_str(),
+                seconds() - begin, made->unknowns, made->iterations);
+    std::fflush(stdout);
+    twin::add_rig_noise({}, random, made->sequence);
+    (training.size() < 5 ? training : left_out).push_back(made->sequence);
+  }
+  model::Model model = fitted_form(cloth);
+  estimation::SequenceOptions how;
+  how.threads = 2;
+  std::vector<Sequence> fitted_to;
+  for (const Sequence& sequence : training) fitted_to.push_back(as_fitted(sequence));
+  auto evaluator = SequenceEvaluator::make(model, fitted_to, how);
+  if (!evaluator) {
+    std::printf("  %s\n", evaluator.error().message.c_str());
+    return 1;
+  }
+  const double begin = seconds();
+  const estimation::FitResult fitted = fit(*evaluator, model, {});
+  std::printf("fit: %s %s, %d iterations, %.1f s\n", fitted.usable ? "usable," : "not usable,",
+              fitted.message.c_str(), fitted.iterations, seconds() - begin);
+  if (!fitted.usable) {
+    std::printf("  %s\n", evaluator->failure().c_str());
+    return 1;
+  }
+  store(fitted, model);
+  std::printf("curves, in parts of the stress at the end of what the data reach\n");
+  print_curves(cloth, model);
+  std::printf("residuals of the sequences fitted to\n");
+  for (const Sequence& sequence : training) print_prediction(sequence, model);
+  std::printf("of those left out; the goal is 2 noise\n");
+  for (const Sequence& sequence : left_out) print_prediction(sequence, model);
+  return 0;
+}

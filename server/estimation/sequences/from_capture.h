@@ -12,9 +12,11 @@
 // support holds the nodes beyond its edge, frame by frame. Clamped and held nodes lie where the
 // poses put them, flat and as at rest.
 //
-// Forces. The cords of a prescribed clip are measured: the component of their sum along its mean
-// over the frames, or along the directions that the options give; the standard deviation is that of
-// the sum along it. The cords of a free clip are loads, and its pose is only where frames start.
+// Forces. The cords of a prescribed clip measure its force in the directions that they span: one
+// channel along the first cord, one along what the next one adds at right angles, and so on; or
+// along the directions that the options give. They turn with the clip where that fits the cords
+// better than staying in space. A channel's standard deviation is that of the cords' sum along it.
+// The cords of a free clip are loads, and its pose is only where frames start.
 //
 // Points. Every vertex that is seen, lies in the simulated mesh and in no clip is compared by its
 // place in the material; `most_points` thins them evenly. In a frame where all nodes about a vertex

@@ -45,18 +45,18 @@ struct FromCaptureOptions {
   int nodes_v = 0;  ///< 0: as many as make the cells squares, nearly; of a square 25
   mechanics::Diagonals diagonals = mechanics::Diagonals::both;  ///< bends alike in all directions
   /// The grid's corners in the material. None: those of the capture's mesh.
-  std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rectangle_m;
-  int most_points = 0;              ///< 0: all
-  std::vector<std::size_t> frames;  ///< of the capture, rising; empty: all
-  double unknown_sigma_m = 0.0;     ///< for positions that do not say theirs; 0: an error
-  double unknown_sigma_N = 0.0;     ///< the same for tensions
+  std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rectangle_m = {};
+  int most_points = 0;                   ///< 0: all
+  std::vector<std::size_t> frames = {};  ///< of the capture, rising; empty: all
+  double unknown_sigma_m = 0.0;          ///< for positions that do not say theirs; 0: an error
+  double unknown_sigma_N = 0.0;          ///< the same for tensions
   /// Clips that are named here get these force channels in place of their own.
   struct Force {
     std::string clip;
     Eigen::Vector3d direction;     ///< in space, or of the clip where it turns with that
     bool turns_with_clip = false;  ///< see ForceChannel
   };
-  std::vector<Force> forces;
+  std::vector<Force> forces = {};
   bool start_from_measured = true;
 };
 

@@ -48,8 +48,8 @@ void claim(hid_t file, const char* path, const std::vector<hsize_t>& shape, cons
   H5Ldelete(file, path, H5P_DEFAULT);
   const hid_t space = H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr);
   const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
-  std::vector<hsize_t> chunk;
-  for (const hsize_t length : shape) chunk.push_back(length < 64 ? length : 64);
+  std::vector<hsize_t> chunk(shape);
+  for (hsize_t& length : chunk) length = length < 64 ? length : 64;
   H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
   const hid_t data = H5Dcreate2(file, path, type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
   EXPECT_GE(data, 0);

@@ -46,6 +46,7 @@ std::vector<std::string> in_order(Source& in, const std::string& path,
       in.complain(member, "has the order of another one");
   }
   std::vector<std::string> names;
+  names.reserve(ordered.size());
   for (const auto& [order, name] : ordered) names.push_back(name);
   return names;
 }

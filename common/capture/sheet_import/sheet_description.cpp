@@ -186,7 +186,7 @@ CordSpec read_cord(JsonObject& object) {
   cord.track.may_be_missing = cord.tension.may_be_missing;
   require(tension, cord.tension, {"tension"});
   if (std::optional<JsonObject> over = tension.maybe_object("over")) {
-    cord.over.emplace();
+    cord.over = CordSpec::Over{};
     cord.over->clip = over->text("clip");
     const std::string coordinate = over->text("coordinate");
     const std::size_t index = std::string("xyz").find(coordinate);

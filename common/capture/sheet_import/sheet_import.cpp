@@ -244,7 +244,7 @@ class SheetImport {
   Expected<double> coordinate(const SheetTable& table, std::size_t row, const Coordinate& from,
                               int vertex, std::size_t c) {
     const TableSpec& spec = description_.positions;
-    const Expected<double> value = table.number(row, from.column, spec.to_si, spec.may_be_missing);
+    Expected<double> value = table.number(row, from.column, spec.to_si, spec.may_be_missing);
     if (!value || !from.is_displacement) return value;
     return *value + (c < 2 ? sheet().material_m[static_cast<std::size_t>(vertex)][c] : 0.0);
   }

@@ -83,7 +83,7 @@ std::string SheetTable::line_of(std::size_t row) const {
 
 Expected<double> SheetTable::number(std::size_t row, std::size_t column,
                                     const UnitConversion& to_si, bool may_be_missing) const {
-  const Expected<double> value =
+  Expected<double> value =
       cells_->number(row, open_->table.header[column], cell(row, column), may_be_missing);
   if (!value) return value;
   return to_si.apply(*value);

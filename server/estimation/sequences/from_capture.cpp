@@ -221,15 +221,44 @@ class Making {
           return ok;
       }
       if (is_asked) continue;
-      Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-      for (const std::size_t f : out_.frame)
-        if (const Eigen::Vector3d pull = pull_of(clips_[c].id, f); pull.allFinite()) mean += pull;
-      if (!(mean.norm() > 0.0))
-        return bad_input("the cords of clip \"" + clips_[c].id +
-                         "\" pull nowhere on the mean; a direction must be given");
-      if (auto ok = add_force(static_cast<int>(c), mean, false); !ok) return ok;
+      const auto [directions, turn] = spanned_directions(c);
+      for (const Eigen::Vector3d& direction : directions)
+        if (auto ok = add_force(static_cast<int>(c), direction, turn); !ok) return ok;
     }
     return {};
+  }
+
+  /// Directions at right angles to each other that the cords of a clip span, in space, or in the
+  /// clip's frame where they vary less there.
+  std::pair<std::vector<Eigen::Vector3d>, bool> spanned_directions(std::size_t clip) const {
+    std::vector<Eigen::Vector3d> means[2];
+    double variation[2] = {0.0, 0.0};
+    for (const CordTrack& cord : sheet_.cords) {
+      if (cord.clip != clips_[clip].id) continue;
+      for (const std::size_t own : {0U, 1U}) {
+        std::vector<Eigen::Vector3d> seen;
+        Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+        for (const std::size_t f : out_.frame) {
+          const Eigen::Vector3d direction = vector_of(cord.direction[f]);
+          const Eigen::Matrix3d turn = pose_of(sheet_.clips[clip].pose[f]).rotation;
+          seen.push_back(own == 1 ? Eigen::Vector3d(turn.transpose() * direction) : direction);
+          mean += seen.back();
+        }
+        mean /= static_cast<double>(seen.size());
+        for (const Eigen::Vector3d& direction : seen)
+          variation[own] += (direction - mean).squaredNorm();
+        means[own].push_back(mean);
+      }
+    }
+    constexpr double kNothing = 1e-12;
+    const bool turns = variation[1] + kNothing < 0.5 * variation[0];
+    std::vector<Eigen::Vector3d> directions;
+    for (Eigen::Vector3d direction : means[turns ? 1 : 0]) {
+      for (const Eigen::Vector3d& other : directions) direction -= other.dot(direction) * other;
+      constexpr double kAdds = 0.2;  // cords nearer to the span of others add nothing of their own
+      if (direction.norm() > kAdds) directions.push_back(direction.normalized());
+    }
+    return {directions, turns};
   }
 
   // ---- frames

@@ -12,9 +12,11 @@
 // support holds the nodes beyond its edge, frame by frame. Clamped and held nodes lie where the
 // poses put them, flat and as at rest.
 //
-// Forces. The cords of a prescribed clip are measured: the component of their sum along its mean
-// over the frames, or along the directions that the options give; the standard deviation is that of
-// the sum along it. The cords of a free clip are loads, and its pose is only where frames start.
+// Forces. The cords of a prescribed clip measure its force in the directions that they span: one
+// channel along the first cord, one along what the next one adds at right angles, and so on; or
+// along the directions that the options give. They turn with the clip where that fits the cords
+// better than staying in space. A channel's standard deviation is that of the cords' sum along it.
+// The cords of a free clip are loads, and its pose is only where frames start.
 //
 // Points. Every vertex that is seen, lies in the simulated mesh and in no clip is compared by its
 // place in the material; `most_points` thins them evenly. In a frame where all nodes about a vertex
@@ -43,18 +45,18 @@ struct FromCaptureOptions {
   int nodes_v = 0;  ///< 0: as many as make the cells squares, nearly; of a square 25
   mechanics::Diagonals diagonals = mechanics::Diagonals::both;  ///< bends alike in all directions
   /// The grid's corners in the material. None: those of the capture's mesh.
-  std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rectangle_m;
-  int most_points = 0;              ///< 0: all
-  std::vector<std::size_t> frames;  ///< of the capture, rising; empty: all
-  double unknown_sigma_m = 0.0;     ///< for positions that do not say theirs; 0: an error
-  double unknown_sigma_N = 0.0;     ///< the same for tensions
+  std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rectangle_m = {};
+  int most_points = 0;                   ///< 0: all
+  std::vector<std::size_t> frames = {};  ///< of the capture, rising; empty: all
+  double unknown_sigma_m = 0.0;          ///< for positions that do not say theirs; 0: an error
+  double unknown_sigma_N = 0.0;          ///< the same for tensions
   /// Clips that are named here get these force channels in place of their own.
   struct Force {
     std::string clip;
     Eigen::Vector3d direction;     ///< in space, or of the clip where it turns with that
     bool turns_with_clip = false;  ///< see ForceChannel
   };
-  std::vector<Force> forces;
+  std::vector<Force> forces = {};
   bool start_from_measured = true;
 };
 

@@ -20,7 +20,6 @@ using test::bytes_of;
 using test::get_file;
 using test::message_of;
 using test::put_file;
-using test::rippled_sheet_capture;
 using test::small_sheet_capture;
 using test::TempFolder;
 

@@ -23,7 +23,6 @@ namespace {
 using capture::Capture;
 using capture::Sheet;
 using mechanics::EquilibriumSolver;
-using mechanics::Pose;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kSide = 9;
@@ -202,6 +201,15 @@ TEST(FromCapture, PrescribedClipsAndTheirForces) {
   EXPECT_EQ(in_words(use),
             "45 of 81 vertices compared in 4 frames, 539 coordinates; left out: 36 vertices in "
             "clips, 1 coordinates not seen");
+  // frames start where the sheet was seen: nodes in clips exactly, others nearly
+  for (std::size_t f = 0; f < 4; ++f)
+    for (std::size_t k = 0; k < capture.sheet->vertex_count(); ++k)
+      for (std::size_t c = 0; c < 3; ++c)
+        if (const double seen = capture.sheet->position_m[capture.sheet->at(f, k) + c];
+            !std::isnan(seen)) {
+          EXPECT_NEAR(sequence.frames[f].start->x[static_cast<Eigen::Index>(3 * k + c)], seen,
+                      1e-4);
+        }
   const Eigen::VectorXd residuals = residuals_at_truth(*captured);
   ASSERT_EQ(residuals.size(), use.readings + 4);
   EXPECT_LT(residuals.cwiseAbs().maxCoeff(), 1e-3);
@@ -229,6 +237,26 @@ TEST(FromCapture, ForcesAlongDirectionsThatAreAskedFor) {
   }
   EXPECT_TRUE(captured->sequence.forces[1].turns_with_clip);
   EXPECT_NEAR(captured->sequence.forces[0].sigma_N, 0.6 * 0.002, 1e-12);
+  // two cords, which turn with the clip: their plane, in the clip's frame
+  capture::CordTrack other = sheet.cords[0];
+  other.id = "across";
+  for (std::size_t f = 0; f < 4; ++f) {
+    const auto turn = captured->sequence.frames[f].clips[1].rotation;
+    const auto put = [](capture::CordTrack& cord, std::size_t frame, const Eigen::Vector3d& d) {
+      cord.direction[frame] = {d.x(), d.y(), d.z()};
+    };
+    put(sheet.cords[0], f, turn * Eigen::Vector3d(0.8, 0.6, 0.0));
+    put(other, f, turn * Eigen::Vector3d(0.0, 1.0, 0.0));
+    other.tension_N[f] = 0.5;
+  }
+  sheet.cords.push_back(other);
+  const auto both = sequence_from_capture(capture, same_grid()).value();
+  ASSERT_EQ(both.sequence.forces.size(), 2U);
+  EXPECT_TRUE(both.sequence.forces[1].turns_with_clip);
+  EXPECT_LT((both.sequence.forces[1].direction - Eigen::Vector3d(-0.6, 0.8, 0.0)).norm(), 1e-9);
+  EXPECT_NEAR(both.sequence.frames[2].forces_N[0], sheet.cords[0].tension_N[2] + 0.6 * 0.5, 1e-9);
+  EXPECT_NEAR(both.sequence.frames[2].forces_N[1], 0.8 * 0.5, 1e-9);
+  EXPECT_NEAR(both.sequence.forces[0].sigma_N, 0.002 * std::hypot(1.0, 0.6), 1e-9);
   options.forces = {{"third", {1.0, 0.0, 0.0}, false}};
   EXPECT_EQ(sequence_from_capture(capture, options).error().message,
             "square: a force is asked for of clip \"third\", which is not there, or along no "

@@ -76,6 +76,30 @@ RowWorth worth_by_curve(const Eigen::VectorXd& weights, const RobustLoss& loss,
   return worth;
 }
 
+struct NormalMatrices {
+  Eigen::MatrixXd bread, filling;
+};
+
+/// Sums over rows of the columns that move, batch by batch: a Jacobian may be large.
+NormalMatrices sum_up(const RowMatrix& jacobian, const std::vector<int>& moving,
+                      const RowWorth& worth) {
+  const auto m = static_cast<Eigen::Index>(moving.size());
+  NormalMatrices sums{Eigen::MatrixXd::Zero(m, m), Eigen::MatrixXd::Zero(m, m)};
+  constexpr Eigen::Index kBatch = 256;
+  Eigen::MatrixXd part;
+  for (Eigen::Index first = 0; first < jacobian.rows(); first += kBatch) {
+    const Eigen::Index count = std::min(kBatch, jacobian.rows() - first);
+    part.resize(count, m);
+    for (Eigen::Index c = 0; c < m; ++c)
+      part.col(c) = jacobian.col(moving[static_cast<std::size_t>(c)]).segment(first, count);
+    sums.bread.noalias() +=
+        part.transpose() * worth.bread.segment(first, count).asDiagonal() * part;
+    sums.filling.noalias() +=
+        part.transpose() * worth.filling.segment(first, count).asDiagonal() * part;
+  }
+  return sums;
+}
+
 }  // namespace
 
 void describe_optimum(const std::vector<const model::Parameter*>& parameters,
@@ -106,15 +130,12 @@ void describe_optimum(const std::vector<const model::Parameter*>& parameters,
   const RowWorth worth = are_alike
                              ? equal_worth(weights, static_cast<double>(m), result)
                              : worth_by_curve(weights, loss, rows, static_cast<double>(m), result);
-  Eigen::MatrixXd j(result.residuals.size(), m);
-  Eigen::VectorXd norms(m);
-  for (Eigen::Index c = 0; c < m; ++c) {
-    j.col(c) = result.jacobian.col(moving[static_cast<std::size_t>(c)]);
-    norms[c] = std::sqrt(j.col(c).cwiseAbs2().dot(worth.bread));
-    j.col(c) /= norms[c];
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
-      Eigen::MatrixXd(j.transpose() * worth.bread.asDiagonal() * j));
+  NormalMatrices sums = sum_up(result.jacobian, moving, worth);
+  const Eigen::VectorXd norms = sums.bread.diagonal().cwiseSqrt();
+  const Eigen::VectorXd inverse_norms = norms.cwiseInverse();
+  sums.bread = inverse_norms.asDiagonal() * sums.bread * inverse_norms.asDiagonal();
+  sums.filling = inverse_norms.asDiagonal() * sums.filling * inverse_norms.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(sums.bread);
   // directions in which the data say nothing are left out of the covariance; parameters that lie in
   // them are flat
   static constexpr double kFlat =
@@ -129,8 +150,7 @@ void describe_optimum(const std::vector<const model::Parameter*>& parameters,
     else
       unseen += direction.cwiseAbs2();
   }
-  const Eigen::MatrixXd covariance =
-      inverse * (j.transpose() * worth.filling.asDiagonal() * j) * inverse;
+  const Eigen::MatrixXd covariance = inverse * sums.filling * inverse;
   for (Eigen::Index c = 0; c < m; ++c) {
     const int i = moving[static_cast<std::size_t>(c)];
     const auto k = static_cast<std::size_t>(i);

@@ -5,11 +5,19 @@
 #include <cmath>
 #include <string>
 
+#include "server/estimation/sequences/material/material_locator.h"
+
 namespace tenter::estimation {
 
 using mechanics::Clip;
 
 namespace {
+
+/// What channels are checked against.
+struct Subject {
+  const Sequence& sequence;
+  const MaterialLocator& locator;
+};
 
 bool is_unit(const Eigen::Vector3d& v) {
   constexpr double kOff = 1e-9;
@@ -21,30 +29,30 @@ Expected<void> check_sigma(double sigma) {
   return bad_input(" has no standard deviation above zero");
 }
 
-Expected<void> check_clip(const Sequence& sequence, int clip, bool may_be_free) {
-  if (clip < 0 || clip >= static_cast<int>(sequence.boundaries.front().clips.size()))
+Expected<void> check_clip(const Subject& subject, int clip, bool may_be_free) {
+  if (clip < 0 || clip >= static_cast<int>(subject.sequence.boundaries.front().clips.size()))
     return bad_input(" is of clip " + std::to_string(clip) + ", which there is not");
-  for (const mechanics::Boundary& boundary : sequence.boundaries)
+  for (const mechanics::Boundary& boundary : subject.sequence.boundaries)
     if (!may_be_free && boundary.clips[static_cast<std::size_t>(clip)].is_free)
       return bad_input(" is of a free clip, on which only its known cords act");
   return {};
 }
 
-Expected<void> check_channel(const Sequence& sequence, const PointChannel& point) {
-  if (!locate(sequence.cloth.mesh, point.material_m)) return bad_input(" lies outside of the mesh");
+Expected<void> check_channel(const Subject& subject, const PointChannel& point) {
+  if (!subject.locator.locate(point.material_m)) return bad_input(" lies outside of the mesh");
   return check_sigma(point.sigma_m);
 }
 
-Expected<void> check_channel(const Sequence& sequence, const ForceChannel& force) {
-  if (auto ok = check_clip(sequence, force.clip, !force.turns_with_clip); !ok) return ok;
+Expected<void> check_channel(const Subject& subject, const ForceChannel& force) {
+  if (auto ok = check_clip(subject, force.clip, !force.turns_with_clip); !ok) return ok;
   if (!is_unit(force.direction)) return bad_input(" has a direction that is not of length one");
   return check_sigma(force.sigma_N);
 }
 
-Expected<void> check_channel(const Sequence& sequence, const TorqueChannel& torque) {
+Expected<void> check_channel(const Subject& subject, const TorqueChannel& torque) {
   if (torque.clips.empty()) return bad_input(" is a torque of no clip");
   for (const TorqueChannel::Share& share : torque.clips) {
-    if (auto ok = check_clip(sequence, share.clip, false); !ok) return ok;
+    if (auto ok = check_clip(subject, share.clip, false); !ok) return ok;
     if (!std::isfinite(share.factor)) return bad_input(" has a factor that is no number");
   }
   if (!is_unit(torque.axis)) return bad_input(" has an axis that is not of length one");
@@ -52,25 +60,25 @@ Expected<void> check_channel(const Sequence& sequence, const TorqueChannel& torq
   return check_sigma(torque.sigma_N_m);
 }
 
-Expected<void> check_channel(const Sequence& sequence, const LengthChannel& length) {
+Expected<void> check_channel(const Subject& subject, const LengthChannel& length) {
   for (const Eigen::Vector2d& end : {length.from_m, length.to_m})
-    if (!locate(sequence.cloth.mesh, end)) return bad_input(" ends outside of the mesh");
+    if (!subject.locator.locate(end)) return bad_input(" ends outside of the mesh");
   if (length.from_m == length.to_m) return bad_input(" is between a point and itself");
   return check_sigma(length.sigma_m);
 }
 
-Expected<void> check_channel(const Sequence&, const AreaChannel& area) {
+Expected<void> check_channel(const Subject&, const AreaChannel& area) {
   return check_sigma(area.sigma_m2);
 }
 
-Expected<void> check_channel(const Sequence& sequence, const ScalarChannel& scalar) {
-  return std::visit([&](const auto& channel) { return check_channel(sequence, channel); }, scalar);
+Expected<void> check_channel(const Subject& subject, const ScalarChannel& scalar) {
+  return std::visit([&](const auto& channel) { return check_channel(subject, channel); }, scalar);
 }
 
 template <class Channels>
-Expected<void> check_all(const Sequence& sequence, const char* kind, const Channels& channels) {
+Expected<void> check_all(const Subject& subject, const char* kind, const Channels& channels) {
   for (std::size_t k = 0; k < channels.size(); ++k)
-    if (auto ok = check_channel(sequence, channels[k]); !ok)
+    if (auto ok = check_channel(subject, channels[k]); !ok)
       return bad_input(kind + std::to_string(k + 1) + ok.error().message);
   return {};
 }
@@ -159,17 +167,21 @@ void observe_area(const mechanics::SurfaceMesh& mesh, const RestState& at, Obser
 }  // namespace
 
 Expected<void> check_channels(const Sequence& sequence) {
-  if (auto ok = check_all(sequence, "point ", sequence.points); !ok) return ok;
-  if (auto ok = check_all(sequence, "force ", sequence.forces); !ok) return ok;
-  return check_all(sequence, "scalar ", sequence.scalars);
+  if (sequence.cloth.mesh.triangle_count() == 0) return bad_input("the mesh has no triangle");
+  const MaterialLocator locator(sequence.cloth.mesh);
+  const Subject subject{sequence, locator};
+  if (auto ok = check_all(subject, "point ", sequence.points); !ok) return ok;
+  if (auto ok = check_all(subject, "force ", sequence.forces); !ok) return ok;
+  return check_all(subject, "scalar ", sequence.scalars);
 }
 
 Observations::Observations(const Sequence& sequence)
     : first_force_(static_cast<int>(3 * sequence.points.size())),
       first_scalar_(first_force_ + static_cast<int>(sequence.forces.size())),
       count_(first_scalar_ + static_cast<int>(sequence.scalars.size())) {
+  const MaterialLocator locator(sequence.cloth.mesh);
   const auto find = [&](const Eigen::Vector2d& material_m) {
-    return locate(sequence.cloth.mesh, material_m).value_or(MaterialLocation{});
+    return locator.locate(material_m).value_or(MaterialLocation{});
   };
   for (const PointChannel& point : sequence.points) points_.push_back(find(point.material_m));
   for (const ScalarChannel& scalar : sequence.scalars) {

@@ -123,7 +123,7 @@ TEST(SequenceFit, TheThesisOwnMethodFindsTheSame) {
     options.method = method;
     options.residual_stop = stop;
     options.tolerance = 1e-10;
-    const FitResult result = fit(evaluator, model, options);
+    FitResult result = fit(evaluator, model, options);
     EXPECT_TRUE(result.usable && result.converged) << result.message << evaluator.failure();
     return result;
   };

@@ -61,7 +61,15 @@ model::Model fitted_form(const twin::Fabric& cloth) {
                                   m < 3 ? model::Domain::membrane : model::Domain::hinge);
     for (model::Parameter& parameter : law.parameters) parameter.value = stiffness;
   }
-  return twin::poor_start(model);
+  // twist is hardly seen in these sequences: it may not run away from the other bending
+  const auto stiffness = [&](std::size_t term) {
+    return model.terms[term].law.parameters[0].value;
+  };
+  constexpr double kMost = 2.0;
+  const double most = kMost * std::max(stiffness(3), stiffness(4));
+  model = twin::poor_start(model);
+  model.terms[5].law.parameters[0].upper = most;
+  return model;
 }
 
 /// Thesis 3.4.1: stretch is fitted to forces, shear to those along the clips, bending to positions.

@@ -40,7 +40,7 @@ Fabric satin() {
           .curves = Curves{stretch, stretch, both_ways(0.4, {28.0, 30.0, 36.0}), constant(4e-6),
                            constant(4e-6), constant(3e-6)},
           .loops = loops(1.5, 0.035, 0.035),
-          .limits = {0.03, 0.03, 0.3, 0.01, 0.01, 0.12, 3e-3}};
+          .limits = {0.03, 0.03, 0.25, 0.007, 0.007, 0.12, 3e-3}};
 }
 
 Fabric knit() {
@@ -51,7 +51,7 @@ Fabric knit() {
           .curves = Curves{stretch, stretch, constant(20.0), constant(2.5e-6), constant(2.5e-6),
                            constant(1.9e-6)},
           .loops = loops(1.4, 0.6, 0.6),
-          .limits = {0.45, 0.45, 0.25, 0.15, 0.15, 0.25, 8e-3}};
+          .limits = {0.45, 0.45, 0.15, 0.1, 0.1, 0.25, 8e-3}};
 }
 
 Fabric denim() {
@@ -64,7 +64,7 @@ Fabric denim() {
                        both_ways(0.4, {300.0, 320.0, 400.0}),
                        both_ways(120.0, {1.98e-4, 1.9e-4, 1.7e-4}), constant(6e-6), constant(8e-5)},
       .loops = loops(1.8, 0.05, 0.05),
-      .limits = {0.045, 0.045, 0.15, 0.025, 0.025, 0.1, 3e-3}};
+      .limits = {0.045, 0.045, 0.12, 0.02, 0.02, 0.1, 3e-3}};
 }
 
 Fabric wool() {
@@ -76,7 +76,7 @@ Fabric wool() {
                            both_ways(0.4, {28.0, 30.0, 40.0}), constant(6.5e-5), constant(5e-6),
                            constant(2.6e-5)},
           .loops = loops(1.6, 0.05, 0.3),
-          .limits = {0.045, 0.24, 0.3, 0.02, 0.08, 0.12, 3e-3}};
+          .limits = {0.045, 0.24, 0.2, 0.012, 0.05, 0.12, 3e-3}};
 }
 
 /// Another piece of the same cloth: every curve times its factor.

@@ -62,7 +62,9 @@ Protocol stretch(const Fabric& fabric, bool along_u, const ProtocolOptions& opti
 Protocol picture_frame(const Fabric& fabric, const ProtocolOptions& options) {
   Protocol p{"shear", fabric.side_m, options.cells, {}, {}};
   const double side = fabric.side_m, depth = side / options.cells, middle = 0.5 * side;
-  const double from = 2.0 * depth, to = side - 2.0 * depth;  // corners stay free
+  // corners stay free, wide enough that what happens there is not most of the force
+  constexpr int kCornersASide = 6;
+  const double from = depth * std::max(2, options.cells / kCornersASide), to = side - from;
   using Eigen::Vector3d;
   p.clips = {
       {"left", {0.0, depth, from, to}, kLongClip_kg, -Vector3d::UnitX(), Vector3d::UnitY()},

@@ -6,9 +6,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <string_view>
 #include <vector>
 
 #include "common/capture/capture_file.h"
+#include "common/capture/sheet/sheet_export.h"
+#include "common/capture/sheet_import/sheet_import.h"
+#include "common/capture/validate.h"
 #include "tests/common/capture/sheet/support.h"
 #include "tests/common/capture/support.h"
 #include "tests/fault/mutated.h"
@@ -126,6 +130,42 @@ TEST(HostileSheets, CornersThatPointOutside) {
   };
   EXPECT_EQ(after(write_corner(9)), "triangle 1 names vertex 9 of 9.");
   EXPECT_EQ(after(write_corner(-7)), "triangle 1 names vertex -7 of 9.");
+}
+
+/// Characters changed to others that tables and descriptions are made of.
+std::string misspelt(std::string text, std::mt19937& generator) {
+  static constexpr std::string_view kSigns = "0123456789-+.,e\"{}[]:\n ab";
+  const unsigned count = 1 + generator() % 3;
+  for (unsigned i = 0; i < count; ++i)
+    text[generator() % text.size()] = kSigns[generator() % kSigns.size()];
+  if (generator() % 8 == 0) text.resize(1 + generator() % text.size());
+  return text;
+}
+
+TEST(HostileSheets, MisspeltTablesAreRefusedOrMakeSense) {
+  const TempFolder folder;
+  const auto files = sheet_files(small_sheet_capture(), "c");
+  for (const ExportedFile& file : files) put_file(folder.path(file.name), file.text);
+  std::mt19937 generator(29);
+  int refused = 0;
+  for (int i = 0; i < 150; ++i) {
+    const ExportedFile& spoilt = files[generator() % files.size()];
+    put_file(folder.path(spoilt.name), misspelt(spoilt.text, generator));
+    const auto capture = import_sheet(folder.path("c.json"));
+    put_file(folder.path(spoilt.name), spoilt.text);
+    if (capture) {
+      EXPECT_TRUE(validate(*capture)) << spoilt.name;
+      continue;
+    }
+    ++refused;
+    const std::string& message = capture.error().message;
+    EXPECT_TRUE(message.starts_with(folder.folder())) << message;
+    EXPECT_TRUE(message.ends_with(".")) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+  std::printf("150 misspelt tables: %d refused\n", refused);
+  EXPECT_GT(refused, 50);
+  EXPECT_TRUE(import_sheet(folder.path("c.json")));
 }
 
 TEST(HostileSheets, MutatedFilesAreRefusedOrEqual) {

@@ -22,6 +22,14 @@ struct Fitted {
   std::vector<std::vector<mechanics::State>> states;
 };
 
+/// A guess for `before`, not at zero where it was not: without any stiffness a curve can hide that
+/// it is needed, and frames may have no rest.
+double started(double guess, double before, const model::Parameter& p) {
+  constexpr double kLeast = 0.1;
+  const bool is_stiffness = p.lower && *p.lower >= 0.0 && before > 0.0;
+  return is_stiffness ? std::max(guess, kLeast * before) : guess;
+}
+
 class Stage {
  public:
   Stage(const StageTask& task, const StageOptions& options) : task_(task), options_(options) {
@@ -103,13 +111,18 @@ class Stage {
       record_.guess_message = gap.error().message;
       return cost;
     }
-    const auto guessed = cost_at(model, ties, gap->q);
+    Eigen::VectorXd q = gap->q;
+    for (std::size_t k = 0; k < ties.free.size(); ++k) {
+      double& value = q[static_cast<Eigen::Index>(k)];
+      value = started(value, ties.free[k].value, ties.free[k]);
+    }
+    const auto guessed = cost_at(model, ties, q);
     if (!guessed || !(*guessed < cost)) {
       record_.guess_message = guessed ? "its cost is higher" : "frames have no rest there";
       return cost;
     }
     for (std::size_t k = 0; k < ties.free.size(); ++k)
-      ties.free[k].value = gap->q[static_cast<Eigen::Index>(k)];
+      ties.free[k].value = q[static_cast<Eigen::Index>(k)];
     return *guessed;
   }
 
@@ -206,6 +219,8 @@ class Stage {
 
   bool may_refine(const Fitted& fitted, int more) const {
     if (!task_.refine || record_.stopped) return false;
+    const double noise = record_.rows + 2.0 * std::sqrt(2.0 * record_.rows);
+    if (options_.stop_at_noise && fitted.result.chi2 <= noise) return false;
     if (points_of(fitted.model) + more > options_.most_points) return false;
     return std::any_of(fitted.model.terms.begin(), fitted.model.terms.end(),
                        [&](const model::Term& term) { return is_refined(term); });
@@ -338,7 +353,8 @@ Expected<StageRecord> guess_all(model::Model& model, const StageTask& task,
   const auto parameters = parameters_of(model);
   const std::vector<std::string> names = parameter_names(model);
   for (std::size_t k = 0; k < parameters.size(); ++k) {
-    parameters[k]->value = all[static_cast<Eigen::Index>(k)];
+    parameters[k]->value =
+        started(all[static_cast<Eigen::Index>(k)], parameters[k]->value, *parameters[k]);
     for (Eigen::Index q = 0; q < ties->map.cols(); ++q)
       if (ties->map(static_cast<Eigen::Index>(k), q) != 0.0 &&
           gap->is_at_bound[static_cast<std::size_t>(q)])

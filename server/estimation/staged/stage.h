@@ -6,7 +6,7 @@
 //   2. a first guess from the equation gap, where its cost is the lower one
 //   3. frames that have no rest are left out, and named
 //   4. output-error fit; a point more; until neither one nor two points more let (3.6) fall by 1 %,
-//      or there are enough
+//      there are enough, or what is left is noise
 //
 //   auto record = fit_stage(model, {"stretch_u", {"weft"}, {}, sequences}, options);
 //
@@ -34,12 +34,14 @@ struct StageOptions {
   Channels channels = Channels::thesis;
   Weighting weighting = {};  ///< of rows in (3.6), where a stage has several sequences
   int most_points = 5;
-  double least_gain = 0.01;  ///< of (3.6), for one control point more
-  double outliers = 0.005;   ///< share of the area at each end of the strains
-  bool first_guess = true;   ///< by the equation gap
+  double least_gain = 0.01;   ///< of (3.6), for one control point more
+  bool stop_at_noise = true;  ///< no point more where the rows' sigmas explain what is left of
+                              ///< (3.6), to two of its standard deviations
+  double outliers = 0.005;    ///< share of the area at each end of the strains
+  bool first_guess = true;    ///< by the equation gap
   GapOptions gap;
   int max_iterations = 30;                                ///< of each fit
-  double tolerance = 1e-4;                                ///< relative fall of the cost
+  double tolerance = 1e-3;                                ///< relative fall of the cost
   double tolerance_N = 1e-7;                              ///< of the net force of a frame at rest
   std::function<bool(const StageProgress&)> on_progress;  ///< returns false to stop
 };

@@ -19,6 +19,12 @@ int main(int argc, char** argv) {
   rig.cord_loop_N = std::stod(bench::argument(argc, argv, "cord", "0"));
   estimation::StageOptions options;
   options.threads = std::stoi(bench::argument(argc, argv, "threads", "2"));
+  if (bench::argument(argc, argv, "verbose", "0") != "0")
+    options.on_progress = [](const estimation::StageProgress& p) {
+      std::fprintf(stderr, "%-12s iteration %2d  cost %.6g\n", p.stage.c_str(), p.iteration,
+                   p.cost);
+      return true;
+    };
   std::stringstream fabrics(bench::argument(argc, argv, "fabrics", "12,14"));
   for (std::string fabric; std::getline(fabrics, fabric, ',');) {
     const auto training = bench::fitting_sequences(fabric, rig);

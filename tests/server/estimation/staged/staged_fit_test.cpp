@@ -88,6 +88,7 @@ TEST(StagedFit, StopsWhereAPointMoreBringsNothing) {
   auto model = truth;
   model.terms[0].law = model::preset("cloth_stvk_spline")->terms[0].law;
   StageOptions options;
+  options.stop_at_noise = false;
   options.channels = Channels::all;  // many rows: one of few would gain 1 % by chance
   const auto record = fit_stage(model, {"stretch_u", {"weft"}, {}, {pulled}}, options);
   ASSERT_TRUE(record) << record.error().message;
@@ -97,6 +98,10 @@ TEST(StagedFit, StopsWhereAPointMoreBringsNothing) {
   ASSERT_EQ(model.terms[0].law.parameters.size(), 1U);
   EXPECT_NEAR(model.terms[0].law.parameters[0].value, 45.0, 0.5);
   EXPECT_TRUE(record->guessed);
+  options.stop_at_noise = true;
+  const auto at_noise = fit_stage(model, {"stretch_u", {"weft"}, {}, {pulled}}, options);
+  ASSERT_TRUE(at_noise && at_noise->done);
+  EXPECT_EQ(at_noise->refinements.size(), 1U);
 }
 
 TEST(StagedFit, TiedTermsShareOneCurveFittedToBothSequences) {

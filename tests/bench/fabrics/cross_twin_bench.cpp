@@ -169,6 +169,7 @@ int main(int count, char** arguments) {
     const double begin = seconds();
     twin::CrossOptions options;
     options.grid.nodes = nodes;
+    options.grid.holds_line_beyond_edge = true;
     auto made = twin::cross_twin(
         cloth, twin::make_protocol(cloth, name, {.frames = frames, .cells = cells}), options);
     if (!made) {

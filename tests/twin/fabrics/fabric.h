@@ -14,8 +14,10 @@
 // fitted values of Wang et al. 2011 for garment fabrics.
 //
 // The energy per area is that of a thin sheet without coupling,
-//   psi = psi_u(E_uu) + psi_v(E_vv) + psi_s(w_u . w_v) + psi_bu(K_uu) + psi_bv(K_vv) + psi_bt(2
-//   K_uv)
+//
+//   psi = psi_u(E_uu) + psi_v(E_vv) + psi_s(w_u . w_v)
+//       + psi_bu(K_uu) + psi_bv(K_vv) + psi_bt(2 K_uv)
+//
 // with Green strains (thesis (3.3)) and K_ab = x,ab . n by material coordinates, each psi of its
 // curve.
 //

@@ -2,9 +2,8 @@
 // Measured and simulated folds of a frame side by side, and whether the distance of their points
 // says anything (thesis 3.6).
 //
-//   likeness     correlation of the two reliefs w over the points: 1 the same folds in place, 0
-//   none
-//                of them, -1 turned inside out
+//   likeness     correlation of the two reliefs w over the points: 1 the same folds in place,
+//                0 none of them, -1 turned inside out
 //   bending      share of bending in the elastic energy (terms on hinges and ring-2 springs)
 //
 // Point by point distances are meaningful where neither sheet is folded, or both alike (likeness

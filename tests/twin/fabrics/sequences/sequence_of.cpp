@@ -34,12 +34,9 @@ std::vector<int> nodes_in(const mechanics::SurfaceMesh& mesh, const Region& regi
   return nodes;
 }
 
-// The hinges at the last held line bend, and stand for half a cell on either side of it: the sheet
-// is clamped half a cell before that line. So the line is the one half a cell beyond the edge; with
-// the one before it a strip would hang as if it were a cell longer.
-std::vector<int> nodes_on_table(const mechanics::SurfaceMesh& mesh, Region table, double cell_m) {
-  table.hi_u += 0.5 * cell_m;
-  table.hi_v += 0.5 * cell_m;
+std::vector<int> nodes_on_table(const mechanics::SurfaceMesh& mesh, Region table, double beyond_m) {
+  table.hi_u += beyond_m;
+  table.hi_v += beyond_m;
   return nodes_in(mesh, table);
 }
 
@@ -57,7 +54,7 @@ mechanics::Clip clip_of(const std::string& id, const mechanics::SurfaceMesh& mes
 }
 
 /// Boundaries of all frames, equal ones once, and which is whose.
-void add_boundaries(const Protocol& protocol, double cell_m, Sequence& sequence) {
+void add_boundaries(const Protocol& protocol, double beyond_edge_m, Sequence& sequence) {
   std::vector<double> edges;  // lo and hi of u and v tell tables apart
   for (const ProtocolFrame& frame : protocol.frames) {
     const double edge = frame.table ? frame.table->hi_u + 2.0 * frame.table->hi_v : 0.0;
@@ -68,7 +65,8 @@ void add_boundaries(const Protocol& protocol, double cell_m, Sequence& sequence)
     mechanics::Boundary boundary;
     for (const ProtocolClip& clip : protocol.clips)
       boundary.clips.push_back(clip_of(clip.id, sequence.cloth.mesh, clip.grip, clip.mass_kg));
-    if (frame.table) boundary.held = nodes_on_table(sequence.cloth.mesh, *frame.table, cell_m);
+    if (frame.table)
+      boundary.held = nodes_on_table(sequence.cloth.mesh, *frame.table, beyond_edge_m);
     sequence.boundaries.push_back(std::move(boundary));
   }
 }
@@ -121,7 +119,7 @@ Sequence sequence_of(const Fabric& fabric, const Protocol& protocol, const GridO
   const auto masses = mechanics::lumped_masses_of_total_kg(sequence.cloth.mesh, fabric.mass_kg);
   sequence.loads.node_mass_kg =
       Eigen::Map<const Eigen::VectorXd>(masses.data(), static_cast<Eigen::Index>(masses.size()));
-  add_boundaries(protocol, grid.du_m(), sequence);
+  add_boundaries(protocol, options.holds_line_beyond_edge ? 0.5 * grid.du_m() : 0.0, sequence);
   add_channels(protocol, options, sequence);
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t f = 0; f < protocol.frames.size(); ++f) {

@@ -25,6 +25,11 @@ struct GridOptions {
   std::vector<Eigen::Vector2d> points_m = {};
   double point_sigma_m = 7.5e-5;  ///< thesis 3.2.3
   double force_sigma_N = 3e-3;    ///< of each cord's sensor
+  /// What the table holds. False: the nodes on it (thesis 3.4.1). True: one line of nodes more,
+  /// half a cell beyond the edge, so that the sheet is clamped at the edge itself: the hinges at
+  /// the last held line bend and stand for half a cell on either side of it. Without, a strip hangs
+  /// as if it were a cell longer.
+  bool holds_line_beyond_edge = false;
 };
 
 /// Load cells that the force of a clip is the sum of: two cords on a long clip, one on a corner's.

@@ -11,8 +11,8 @@
 // and (1 - beta) sigma unloading. From (e0, f0) on, moving in the direction s,
 //
 //   f(e) = s sigma_max(e) + (f0 - s sigma_max(e0)) exp(-|e - e0| / reach)
-//   Phi(e) = s beta [|Psi|(e) - |Psi|(e0)] + s (f0 - s sigma_max(e0)) reach (1 - exp(-|e - e0| /
-//   reach)),      |Psi|(e) = sign(e) psi_m(e)
+//   Phi(e) = s beta [Q(e) - Q(e0)]
+//          + s (f0 - s sigma_max(e0)) reach (1 - exp(-|e - e0| / reach)),   Q(e) = sign(e) psi_m(e)
 //
 // so a step is the minimum of an energy. Shares nothing with server/. Pure; nothing allocates.
 #pragma once

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Cubic B-splines along one side of a sheet, over knots at irregular distances.
 //
-// A knot inside is single (two continuous derivatives) or double (one: the curvature may jump
-// there, as it does where a clip ends). Ends are clamped: the first function is 1 at 0.
+// A knot inside is single (two continuous derivatives), double (one: the curvature may jump there)
+// or triple (none: the slope may, too). Ends are clamped: the first function is 1 at 0.
 //
 //   SplineLine line({0.0, 0.03, 0.03, 0.1});          // knots, doubles written twice
 //   const LineValue at = line.at(0.05);               // four functions from at.first on

@@ -3,10 +3,8 @@
 //
 // Without arguments: 10,000 vertices over 40 frames written, read, exported to tables, imported
 // from them, and made into a sequence of 25 x 25 nodes; seconds and parts of the reading. With a
-// capture: what a sequence of about 40 frames of its first run takes of it and what it leaves out,
-// and a first fit of a homogeneous sheet to that.
+// capture: what a sequence of about 40 frames of its first run takes of it and what it leaves out.
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -15,10 +13,7 @@
 #include "common/capture/capture_file.h"
 #include "common/capture/sheet/sheet_export.h"
 #include "common/capture/sheet_import/sheet_import.h"
-#include "common/model/presets.h"
-#include "server/estimation/fit.h"
 #include "server/estimation/sequences/from_capture.h"
-#include "server/estimation/sequences/sequence_evaluator.h"
 #include "tests/common/capture/sheet/support.h"
 #include "tests/common/capture/support.h"
 
@@ -77,18 +72,12 @@ int look_at(const char* file) {
     return 2;
   }
   std::printf("%s\n%s\n", read->title.c_str(), in_words(captured->use).c_str());
-  model::Model model = model::preset("cloth_stvk").value();
-  auto evaluator = estimation::SequenceEvaluator::make(model, {captured->sequence});
-  if (!evaluator) {
-    std::printf("%s\n", evaluator.error().message.c_str());
-    return 2;
+  int frame = 0;
+  for (const estimation::SequenceFrame& at : captured->sequence.frames) {
+    std::printf("  frame %d: ", ++frame);
+    for (const double force : at.forces_N) std::printf("%.3g N ", force);
+    std::printf("\n");
   }
-  const estimation::FitResult result = estimation::fit(*evaluator, model, {});
-  std::printf("membrane, homogeneous: %s; chi2 %.3g of %d rows\n", result.message.c_str(),
-              result.chi2, evaluator->row_count());
-  for (Eigen::Index p = 0; p < result.parameters.size(); ++p)
-    std::printf("  parameter %ld: %.4g +- %.2g\n", static_cast<long>(p) + 1, result.parameters[p],
-                p < result.std_error.size() ? result.std_error[p] : NAN);
   return 0;
 }
 

@@ -73,6 +73,9 @@ struct Sheet {
   std::vector<Vec2> material_m;               ///< (u, v) of each vertex
   std::vector<std::array<int, 3>> triangles;  ///< counter-clockwise in the material; may be empty
   std::vector<std::string> vertex_name;       ///< empty, or one each
+  /// Corners of the whole sheet in the material, where that is more than its mesh, or where there
+  /// are points only. Empty: the mesh is the sheet.
+  std::vector<Vec2> outline_m;
 
   int coordinates = 3;             ///< 3, or 2 where the height was not measured
   std::vector<double> position_m;  ///< NaN: not seen, where that is declared

@@ -201,6 +201,7 @@ std::string description_of(const Capture& capture, const std::string& stem) {
       {"file", stem + "_positions.csv"}, {"unit", "m"}, {"columns", std::move(columns)}};
   if (sheet.sigma_m > 0.0) root["positions"]["sigma"] = sheet.sigma_m;
   if (sheet.may_be_missing) root["positions"]["missing"] = "allowed";
+  if (!sheet.outline_m.empty()) root["outline"] = {{"unit", "m"}, {"polygon", sheet.outline_m}};
   root["clips"] = ordered_json::array();
   for (const ClipTrack& clip : sheet.clips)
     root["clips"].push_back(describe_clip(sheet, clip, stem));

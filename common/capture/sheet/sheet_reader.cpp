@@ -98,10 +98,13 @@ void read_mesh(Source& in, Sheet& sheet, std::size_t frames, std::vector<std::st
   sheet.sigma_m = in.number_attribute(positions, "sigma");
   sheet.may_be_missing = in.integer_attribute(positions, "may_be_missing") != 0;
   if (in.has(path + "/connectivity")) sheet.triangles = read_triangles(in, path + "/connectivity");
+  if (in.has(path + "/outline"))
+    sheet.outline_m = rows_of<2>(table_of(in, path + "/outline", {0, 2}, "m"));
   if (in.has(path + "/vertex_name")) sheet.vertex_name = in.texts(path + "/vertex_name");
   if (in.has(path + "/vertex_sigma"))
     sheet.sigma_per_vertex_m = table_of(in, path + "/vertex_sigma", {vertices}, "m");
-  list_ignored(in, path, {"position", "material", "connectivity", "vertex_name", "vertex_sigma"},
+  list_ignored(in, path,
+               {"position", "material", "connectivity", "outline", "vertex_name", "vertex_sigma"},
                ignored);
 }
 

@@ -96,6 +96,8 @@ std::string sheet_text(const Sheet& sheet) {
   if (const std::size_t missing = unseen(sheet); missing > 0)
     out += ", " + std::to_string(missing) + " not seen";
   out += "\n";
+  if (!sheet.outline_m.empty())
+    out += padded("outline", 12) + std::to_string(sheet.outline_m.size()) + " corners\n";
   for (const ClipTrack& clip : sheet.clips)
     out += padded("clip", 12) + clip.id + ": " + (clip.is_free ? "free" : "prescribed") +
            ", clamps " + held_material(clip) + ", mass " + number(clip.mass_kg * 1e3) +
@@ -125,6 +127,7 @@ ordered_json sheet_json(const Sheet& sheet) {
                  {"vertices", sheet.vertex_count()},
                  {"triangles", sheet.triangles.size()},
                  {"coordinates", sheet.coordinates},
+                 {"outline_corners", sheet.outline_m.size()},
                  {"u_m", {e.lo[0], e.hi[0]}},
                  {"v_m", {e.lo[1], e.hi[1]}},
                  {"sigma_m", sheet.sigma_m},

@@ -44,6 +44,10 @@ Expected<void> check_vertices(const Sheet& sheet) {
   for (std::size_t k = 0; k < n; ++k)
     if (!is_finite(sheet.material_m[k]))
       return bad_input("vertex " + std::to_string(k) + " has no place in the material");
+  if (sheet.outline_m.size() == 1 || sheet.outline_m.size() == 2)
+    return bad_input("the outline of the sheet needs three corners at least");
+  for (const Vec2& corner : sheet.outline_m)
+    if (!is_finite(corner)) return bad_input("the outline has a corner that is no place");
   if (!sheet.vertex_name.empty() && sheet.vertex_name.size() != n)
     return bad_input("the mesh has " + number_of(sheet.vertex_name.size(), "names for ") +
                      number_of(n, "vertices"));

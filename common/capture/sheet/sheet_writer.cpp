@@ -58,6 +58,8 @@ void write_mesh(H5Writer& file, const Sheet& sheet, std::size_t frames) {
       corners.insert(corners.end(), triangle.begin(), triangle.end());
     file.array(path + "/connectivity", corners, {sheet.triangles.size(), 3});
   }
+  if (!sheet.outline_m.empty())
+    file.array(path + "/outline", flat(sheet.outline_m), {sheet.outline_m.size(), 2}, "m");
   if (!sheet.vertex_name.empty()) file.array(path + "/vertex_name", sheet.vertex_name);
   if (!sheet.sigma_per_vertex_m.empty())
     file.array(path + "/vertex_sigma", sheet.sigma_per_vertex_m, "m");

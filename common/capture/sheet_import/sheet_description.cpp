@@ -345,6 +345,8 @@ void read_root(JsonObject& root, SheetDescription& out) {
   read_provenance(root.object("provenance"), out.frames);
   out.head.name = root.text_or("name", "sheet");
   if (std::optional<JsonObject> mesh = root.maybe_object("mesh")) out.mesh = read_mesh(*mesh);
+  if (std::optional<JsonObject> outline = root.maybe_object("outline"))
+    out.head.outline_m = read_region(*outline);
   read_positions(root.object("positions"), out);
   read_frames(root, out);
   check_protocol_against_columns(out.frames, root.defect());

@@ -7,7 +7,8 @@
 //   log(in_words(captured->use));                    // what was compared and what was left out
 //   sequences.push_back(std::move(captured->sequence));
 //
-// Mesh. A grid over the specimen's rectangle of material, or the capture's own mesh. Clips clamp
+// Mesh. A grid over the specimen's rectangle of material (inside of an outline that is none, an
+// irregular mesh of as many nodes), or the capture's own mesh. Clips clamp
 // the nodes inside their region; where the capture names vertices, the nodes between those. A
 // support holds the nodes beyond its edge, frame by frame. Clamped and held nodes lie where the
 // poses put them, flat and as at rest.
@@ -44,7 +45,7 @@ struct FromCaptureOptions {
   int nodes_u = 25;
   int nodes_v = 0;  ///< 0: as many as make the cells squares, nearly; of a square 25
   mechanics::Diagonals diagonals = mechanics::Diagonals::both;  ///< bends alike in all directions
-  /// The grid's corners in the material. None: those of the capture's mesh.
+  /// The grid's corners in the material. None: the capture's outline, or else its mesh.
   std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rectangle_m = {};
   int most_points = 0;                   ///< 0: all
   std::vector<std::size_t> frames = {};  ///< of the capture, rising; empty: all

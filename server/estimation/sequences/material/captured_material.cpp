@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "server/estimation/sequences/material/material_locator.h"
+#include "server/mechanics/mesh/outline.h"
 
 namespace tenter::estimation {
 
@@ -45,7 +46,9 @@ Expected<mechanics::SurfaceMesh> mesh_of(const Sheet& sheet) {
 /// The rectangle that a captured mesh fills, or what speaks against it.
 Expected<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rectangle_of(const Sheet& sheet) {
   const auto mesh = mesh_of(sheet);
-  if (!mesh) return bad_input(mesh.error().message + "; a rectangle of the material must be given");
+  if (!mesh)
+    return bad_input(mesh.error().message +
+                     "; an outline or a rectangle of the material must be given");
   const Eigen::Vector2d lo = mesh->material_m.rowwise().minCoeff();
   const Eigen::Vector2d hi = mesh->material_m.rowwise().maxCoeff();
   const std::vector<double> areas = mechanics::triangle_areas_m2(*mesh);
@@ -55,6 +58,41 @@ Expected<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rectangle_of(const Sheet& 
                      " of its rectangle, so a grid would be another specimen; its own mesh can be "
                      "simulated");
   return std::pair(lo, hi);
+}
+
+/// Corners of a box of the material, two each at its lowest and highest coordinates?
+bool is_box(const std::vector<Vec2>& outline, const Eigen::Vector2d& lo,
+            const Eigen::Vector2d& hi) {
+  if (outline.size() != 4) return false;
+  const double close_m = kClose * (hi - lo).maxCoeff();
+  const auto is_at = [close_m](double value, double end) {
+    return std::abs(value - end) <= close_m;
+  };
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vec2& at = outline[k];
+    const Vec2& next = outline[(k + 1) % 4];
+    if (!is_at(at[0], lo.x()) && !is_at(at[0], hi.x())) return false;
+    if (!is_at(at[1], lo.y()) && !is_at(at[1], hi.y())) return false;
+    if (is_at(at[0], next[0]) == is_at(at[1], next[1])) return false;  // neither or both change
+  }
+  return true;
+}
+
+/// Triangles inside an outline, of the size that the cells of a square with its area would have.
+Expected<mechanics::Cloth> cloth_inside(const std::vector<Vec2>& corners, int nodes_u) {
+  std::vector<Eigen::Vector2d> outline;
+  double twice_area = 0.0;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const Eigen::Vector2d a = place_of(corners[k]);
+    const Eigen::Vector2d b = place_of(corners[(k + 1) % corners.size()]);
+    twice_area += a.x() * b.y() - a.y() * b.x();
+    outline.push_back(a);
+  }
+  if (nodes_u < 2) return bad_input("a mesh needs two nodes along a side at least");
+  const double edge_m = std::sqrt(0.5 * std::abs(twice_area)) / (nodes_u - 1);
+  auto mesh = mechanics::triangulate_outline(outline, edge_m);
+  if (!mesh) return tl::unexpected(mesh.error());
+  return mechanics::cloth_of_mesh(std::move(*mesh));
 }
 
 }  // namespace
@@ -72,6 +110,15 @@ Expected<mechanics::Cloth> cloth_of(const Sheet& sheet, const FromCaptureOptions
     return mechanics::cloth_of_mesh(std::move(*mesh));
   }
   auto rectangle = options.rectangle_m;
+  if (!rectangle && !sheet.outline_m.empty()) {
+    Eigen::Vector2d lo = place_of(sheet.outline_m.front()), hi = lo;
+    for (const Vec2& corner : sheet.outline_m) {
+      lo = lo.cwiseMin(place_of(corner));
+      hi = hi.cwiseMax(place_of(corner));
+    }
+    if (!is_box(sheet.outline_m, lo, hi)) return cloth_inside(sheet.outline_m, options.nodes_u);
+    rectangle = {lo, hi};
+  }
   if (!rectangle) {
     auto own = rectangle_of(sheet);
     if (!own) return tl::unexpected(own.error());

@@ -38,6 +38,7 @@ TEST(SheetFile, ReadsWhatItWrote) {
   EXPECT_EQ(a.name, "front");
   EXPECT_EQ(a.material_m, b.material_m);
   EXPECT_EQ(a.triangles, b.triangles);
+  EXPECT_EQ(a.outline_m, b.outline_m);
   EXPECT_EQ(a.sigma_per_vertex_m, b.sigma_per_vertex_m);
   EXPECT_TRUE(std::isnan(a.position_m[a.at(2, 4)]));
   EXPECT_EQ(a.position_m[a.at(3, 8)], b.position_m[b.at(3, 8)]);

@@ -62,6 +62,7 @@ Capture small_sheet_capture() {
     }
   sheet.may_be_missing = true;
   for (std::size_t c3 = 0; c3 < 3; ++c3) sheet.position_m[sheet.at(2, 4) + c3] = kNaN;
+  sheet.outline_m = {{0.0, 0.0}, {0.1, 0.0}, {0.12, 0.1}, {0.0, 0.1}};
   sheet.sigma_m = 7.5e-5;
   sheet.sigma_per_vertex_m.assign(9, 7.5e-5);
   sheet.sigma_per_vertex_m[8] = 2e-4;

@@ -392,9 +392,30 @@ TEST(FromCapture, SaysWhatIsWrong) {
             "square: the captured mesh fills 80 % of its rectangle, so a grid would be another "
             "specimen; its own mesh can be simulated");
   bad.sheet->triangles.clear();
-  EXPECT_EQ(complaint(bad, same_grid()),
-            "square: the capture has points without triangles, so no mesh of its own; a rectangle "
-            "of the material must be given");
+  EXPECT_EQ(
+      complaint(bad, same_grid()),
+      "square: the capture has points without triangles, so no mesh of its own; an outline or a "
+      "rectangle of the material must be given");
+  bad = good;
+  bad.sheet->triangles.clear();
+  bad.sheet->outline_m = {{0.0, 0.0}, {0.1, 0.0}, {0.1, 0.1}, {0.0, 0.1}};
+  EXPECT_EQ(complaint(bad, same_grid()), "");
+}
+
+TEST(FromCapture, AnOutlineThatIsNoRectangleIsMeshed) {
+  Capture capture = capture_of_square(1);
+  capture.sheet->clips = {clip_on("fixed", 0.0, 0.0, 1)};
+  capture.sheet->outline_m = {{0.0, 0.0}, {0.1, 0.0}, {0.06, 0.1}, {0.0, 0.1}};
+  const auto captured = sequence_from_capture(capture, same_grid());
+  ASSERT_TRUE(captured) << captured.error().message;
+  const auto& mesh = captured->sequence.cloth.mesh;
+  double area = 0.0;
+  for (const double of_triangle : mechanics::triangle_areas_m2(mesh)) area += of_triangle;
+  EXPECT_NEAR(area, 0.008, 1e-9);
+  EXPECT_GT(mesh.node_count(), kSide * kSide / 2);
+  EXPECT_LT(mesh.node_count(), 3 * kSide * kSide);
+  EXPECT_GT(captured->use.outside, 5);
+  EXPECT_GE(captured->use.clip_nodes[0], 4);
 }
 
 TEST(MaterialLocator, AnswersAsTheSlowWay) {

@@ -74,7 +74,7 @@ mechanics::PathStatus TiedFunction::evaluate(const Eigen::VectorXd& q, Eigen::Ve
 }
 
 FitResult fit_tied(ResidualFunction& evaluator, const ParameterTies& ties,
-                   const FitOptions& options) {
+                   const FitOptions& options, Eigen::VectorXd* q) {
   // fit() asks a model for nothing but its parameters
   model::Model numbers;
   numbers.terms.emplace_back().law.parameters = ties.free;
@@ -87,6 +87,7 @@ FitResult fit_tied(ResidualFunction& evaluator, const ParameterTies& ties,
   const RowMatrix of_all = ties.map * covariance * ties.map.transpose();
   const std::vector<ParameterState> states = std::move(result.states);
   const Eigen::Index count = ties.map.rows();
+  if (q) *q = result.parameters;
   result.parameters = ties.all(result.parameters);
   result.jacobian = tied.inner_jacobian();
   result.std_error = of_all.diagonal().cwiseMax(0.0).cwiseSqrt();

@@ -61,9 +61,10 @@ class TiedFunction final : public ResidualFunction {
   RowMatrix inner_jacobian_;
 };
 
-/// fit() over q, started from the values of `ties.free`; the result is over p: standard errors and
-/// correlations are those of T q, and a parameter that hangs on one number has that number's state.
+/// fit() over q (whose values go where the last argument points), started from the values of
+/// `ties.free`; the result is over p: standard errors and correlations are those of T q, and a
+/// parameter that hangs on one number has that number's state.
 FitResult fit_tied(ResidualFunction& evaluator, const ParameterTies& ties,
-                   const FitOptions& options);
+                   const FitOptions& options, Eigen::VectorXd* q = nullptr);
 
 }  // namespace tenter::estimation

@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
       std::printf("%-12s %12.4f %8.4f %14.4f %8.4f  %.4g  %d", row.name.c_str(),
                   row.training.position_mm, row.training.force_N, row.held_out.position_mm,
                   row.held_out.force_N, row.cost, row.iterations);
+      if (row.message != "converged") std::printf("  %s", row.message.c_str());
       if (row.dropped > 0) std::printf("  %d frames dropped", row.dropped);
       if (row.training.restless + row.held_out.restless > 0)
         std::printf("  %d and %d frames without a rest", row.training.restless,
@@ -50,6 +51,7 @@ int main(int argc, char** argv) {
     std::printf("%.1f s with %d threads, peak memory %.0f MB\n\n",
                 std::chrono::duration<double>(Clock::now() - start).count(), options.threads,
                 bench::peak_memory_MB());
+    std::fflush(stdout);
   }
   return 0;
 }

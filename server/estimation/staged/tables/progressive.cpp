@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/estimation/staged/tables/progressive.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -63,10 +62,10 @@ class Numbers {
     return static_cast<Eigen::Index>(free_.size()) - 1;
   }
 
-  double value(Eigen::Index column) const { return free_[static_cast<std::size_t>(column)].value; }
-  std::optional<double> known(const std::string& name) const {
+  /// What the step before found, or zero.
+  double known(const std::string& name) const {
     const auto found = value_.find(name);
-    return found == value_.end() ? std::nullopt : std::optional(found->second);
+    return found == value_.end() ? 0.0 : found->second;
   }
 
   void share(const std::string& parameter, Eigen::Index column, double factor) {
@@ -111,20 +110,14 @@ std::string numbered(const std::string& stem, int k) {
   return stem + std::to_string(k + 1);
 }
 
-/// Stretch stiffness of one direction: its columns, `count` of them.
-std::vector<Eigen::Index> add_stretch(int step, const std::string& id, const model::Parameter& like,
-                                      Numbers& numbers) {
-  const std::optional<double> before =
-      numbers.known("K") ? std::optional(*numbers.known("K") + *numbers.known("mu"))
-                         : numbers.known("k_" + id);
-  std::vector<Eigen::Index> columns;
-  const int count = step >= nonlinear_stretch ? kCurvePoints : 1;
+/// An addend of `count` numbers that begins at `start`, on the parameters of a term.
+void add_addend(const std::string& stem, const std::string& term, int count, double start,
+                const model::Parameter& like, Numbers& numbers) {
   for (int k = 0; k < count; ++k) {
-    const std::string number = count == 1 ? "k_" + id : numbered("k_" + id + "_", k);
-    columns.push_back(numbers.add(number, like, before));
-    numbers.share(id + (count == 1 ? ".k" : numbered(".k", k)), columns.back(), 1.0);
+    const bool is_curve = count > 1;
+    const Eigen::Index column = numbers.add(is_curve ? numbered(stem + "_", k) : stem, like, start);
+    numbers.share(term + (is_curve ? numbered(".k", k) : ".k"), column, 1.0);
   }
-  return columns;
 }
 
 PooledResidual pooled(const std::vector<ScenarioResidual>& residuals) {
@@ -201,49 +194,30 @@ ProgressiveModel progressive_model(int step, const ProgressiveRanges& ranges,
   const model::Parameter bending = term_of("", "bend_u", "linear").law.parameters.front();
   Numbers numbers(before);
 
-  if (step == isotropic) {
-    // K = lambda + mu and mu, both not negative: the energy is convex in the strains
-    const Eigen::Index k = numbers.add("K", stiffness);
-    const Eigen::Index mu = numbers.add("mu", stiffness);
-    for (const char* id : {"weft.k", "warp.k"}) {
-      numbers.share(id, k, 1.0);
-      numbers.share(id, mu, 1.0);
-    }
-    numbers.share("coupling.c", k, 1.0);
-    numbers.share("coupling.c", mu, -1.0);
-    numbers.share("shear.k", mu, 1.0);
-  } else {
-    const auto weft = add_stretch(step, "weft", stiffness, numbers);
-    const auto warp = add_stretch(step, "warp", stiffness, numbers);
-    const double mean = [&] {
-      double sum = 0.0;
-      for (const auto& columns : {weft, warp})
-        for (const Eigen::Index c : columns)
-          sum += numbers.value(c) / static_cast<double>(2 * columns.size());
-      return sum;
-    }();
-    const std::optional<double> mu_before = numbers.known("mu");
-    if (step < area) {
-      const Eigen::Index mu = numbers.add("mu", stiffness);
-      for (const auto& columns : {weft, warp})
-        for (const Eigen::Index c : columns)
-          numbers.share("coupling.c", c, 0.5 / static_cast<double>(columns.size()));
-      numbers.share("coupling.c", mu, -2.0);
-      if (step < shear_curve) numbers.share("shear.k", mu, 1.0);
-    } else {
-      const model::Parameter free_coupling =
-          term_of("", "green_pair", "bilinear").law.parameters.front();
-      const double isotropic_one = mean - 2.0 * mu_before.value_or(0.0);
-      numbers.share("coupling.c", numbers.add("lambda", free_coupling, isotropic_one), 1.0);
-    }
-    for (int k = 0; step >= shear_curve && k < kCurvePoints; ++k)
-      numbers.share(numbered("shear.k", k),
-                    numbers.add(numbered("k_shear_", k), stiffness, mu_before), 1.0);
-    if (step >= area) numbers.share("area.k", numbers.add("k_area", stiffness, 0.0), 1.0);
-    for (int k = 0; step >= cross_modal && k < kPrincipalPoints; ++k)
-      numbers.share(numbered("principal.k", k),
-                    numbers.add(numbered("k_principal_", k), stiffness, 0.0), 1.0);
+  // lambda + mu and mu, both not negative: convex in the strains, as is every addend by itself
+  const Eigen::Index k = numbers.add("lambda_plus_mu", stiffness);
+  const Eigen::Index mu = numbers.add("mu", stiffness);
+  const auto on_all = [&](const std::string& term, int count, Eigen::Index column) {
+    for (int j = 0; j < count; ++j)
+      numbers.share(term + (count > 1 ? numbered(".k", j) : ".k"), column, 1.0);
+  };
+  const int of_stretch = has_curves ? kCurvePoints : 1;
+  const int of_shear = step >= shear_curve ? kCurvePoints : 1;
+  for (const char* id : {"weft", "warp"}) {
+    on_all(id, of_stretch, k);
+    on_all(id, of_stretch, mu);
   }
+  on_all("shear", of_shear, mu);
+  numbers.share("coupling.c", k, 1.0);
+  numbers.share("coupling.c", mu, -1.0);
+  if (step >= anisotropic_stretch) {
+    add_addend("a_weft", "weft", of_stretch, numbers.known("a_weft"), stiffness, numbers);
+    add_addend("a_warp", "warp", of_stretch, numbers.known("a_warp"), stiffness, numbers);
+  }
+  if (step >= shear_curve) add_addend("a_shear", "shear", of_shear, 0.0, stiffness, numbers);
+  if (step >= area) add_addend("a_area", "area", 1, 0.0, stiffness, numbers);
+  if (step >= cross_modal)
+    add_addend("a_principal", "principal", kPrincipalPoints, 0.0, stiffness, numbers);
   for (const char* id : {"bend_weft", "bend_warp", "bend_diagonal"})
     numbers.share(std::string(id) + ".k", numbers.add(id, bending), 1.0);
   return numbers.finish(name_of(step), std::move(model));
@@ -288,19 +262,26 @@ Expected<std::vector<ProgressiveRow>> progressive_fit(const std::vector<RoleSequ
       fitting.on_iteration = [&](int iteration, double cost) {
         return options.on_progress({now.name, 0, iteration, cost});
       };
-    const FitResult fit = fit_tied(*evaluator, now.ties, fitting);
-    if (!fit.usable) return fail(ErrorKind::refused, now.name + ": " + fit.message);
-    store(fit, now.model);
-    const Eigen::VectorXd q = now.ties.map.completeOrthogonalDecomposition().solve(fit.parameters);
-    for (std::size_t k = 0; k < now.ties.free.size(); ++k)
-      now.ties.free[k].value = q[static_cast<Eigen::Index>(k)];
-    for (std::size_t s = 0; s < sequences.size(); ++s)
-      for (std::size_t f = 0; f < sequences[s].frames.size(); ++f)
-        sequences[s].frames[f].start = evaluator->states()[s][f];
-    if (step == anisotropic_stretch)
-      ranges = progressive_ranges(evaluator->states(), training, options.outliers);
-
-    ProgressiveRow row{now.name, now.model, fit.chi2, fit.iterations, fit.message, dropped, {}, {}};
+    Eigen::VectorXd q;
+    const FitResult fit = fit_tied(*evaluator, now.ties, fitting, &q);
+    if (!fit.usable && step == 0) return fail(ErrorKind::refused, now.name + ": " + fit.message);
+    ProgressiveRow row{now.name, {}, fit.chi2, fit.iterations, fit.message, dropped, {}, {}};
+    if (fit.usable && (rows.empty() || fit.chi2 <= rows.back().cost)) {
+      store(fit, now.model);
+      for (std::size_t k = 0; k < now.ties.free.size(); ++k)
+        now.ties.free[k].value = q[static_cast<Eigen::Index>(k)];
+      for (std::size_t s = 0; s < sequences.size(); ++s)
+        for (std::size_t f = 0; f < sequences[s].frames.size(); ++f)
+          sequences[s].frames[f].start = evaluator->states()[s][f];
+      if (step <= anisotropic_stretch)
+        ranges = progressive_ranges(evaluator->states(), training, options.outliers);
+    } else {
+      // `now` is still the special case that the step began as
+      row.cost = rows.back().cost;
+      row.message = "left as the step before: " +
+                    (fit.usable ? std::string("the fit ended at a higher cost") : fit.message);
+    }
+    row.model = now.model;
     auto seen = residual_of(now.model, training);
     auto unseen = residual_of(now.model, held_out);
     if (!seen) return tl::unexpected(seen.error());

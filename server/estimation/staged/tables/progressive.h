@@ -3,15 +3,20 @@
 // from the one before, and the rows of Table 4.1.
 //
 //   StVK          Psi = k/2 (e_u^2 + e_v^2) + lambda e_u e_v + mu/2 (w_u . w_v)^2, (4.3):
-//                 k = lambda + 2 mu; bending of one stiffness (discrete shells)
-//   A. Stretch    k_u, k_v; lambda is what the isotropic form has for their mean
-//   Nl. Stretch   k_u(e_u), k_v(e_v): curves
-//   A. Shear      k_s(w_u . w_v): a curve, no longer mu
-//   Area Pres.    lambda free, and an addend on the change of area J - 1
-//   Cross-Modal   an addend on the principal stretches, a curve
+//                 k = lambda + 2 mu; bending with three stiffnesses (discrete shells)
+//   A. Stretch    + a_u/2 e_u^2 + a_v/2 e_v^2
+//   Nl. Stretch   a_u(e_u), a_v(e_v): curves
+//   A. Shear      + a curve on w_u . w_v
+//   Area Pres.    + an addend on the change of area J - 1
+//   Cross-Modal   + a curve on the principal stretches
 //
+// All free numbers but the bending ones are lambda + mu, mu and the addends' stiffnesses, none
+// negative: addends of one strain are convex by themselves, and so is their sum in the strains.
+// From A. Shear on one number is one too many (a part of mu can stand in every addend): its
+// standard error says nothing, those of the parameters do.
 // Each step holds the one before as a special case: its parameters are a linear map of few free
-// numbers (parameter_ties.h), and the new addend begins at nothing.
+// numbers (parameter_ties.h), and the new addend begins at nothing. A fit that ends at a higher
+// cost (sheets that buckle have many rests) is left there, and the row says so.
 //
 //   auto rows = progressive_fit(training, held_out, options);
 //   for (const ProgressiveRow& row : *rows) ... row.training.position_mm

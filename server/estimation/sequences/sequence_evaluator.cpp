@@ -2,12 +2,10 @@
 #include "server/estimation/sequences/sequence_evaluator.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <functional>
-#include <thread>
 #include <utility>
 
+#include "server/estimation/parallel.h"
 #include "server/estimation/sequences/observations.h"
 #include "server/mechanics/equilibrium/sensitivity.h"
 
@@ -40,19 +38,6 @@ struct SequenceEvaluator::FrameWork {
 };
 
 namespace {
-
-/// Runs work(thread, 0) .. work(thread, count - 1) on as many threads; each writes only what is its
-/// own.
-void in_parallel(int threads, int count, const std::function<void(int, int)>& work) {
-  std::atomic<int> next{0};
-  const auto loop = [&](int thread) {
-    for (int i = next++; i < count; i = next++) work(thread, i);
-  };
-  std::vector<std::thread> others;
-  for (int t = 1; t < std::min(threads, count); ++t) others.emplace_back(loop, t);
-  loop(0);
-  for (std::thread& other : others) other.join();
-}
 
 void add(const SequenceCost& part, SequenceCost& sum) {
   sum.equilibria += part.equilibria;

@@ -2,10 +2,9 @@
 #include "server/estimation/staged/staged_fit.h"
 
 #include <algorithm>
-#include <atomic>
 #include <mutex>
 #include <optional>
-#include <thread>
+#include "server/estimation/parallel.h"
 
 namespace tenter::estimation {
 namespace {
@@ -79,15 +78,10 @@ class StagedFit {
     options.on_progress = [&](const StageProgress& progress) { return report(progress); };
     std::vector<model::Model> models(count, result_.model);
     std::vector<std::optional<Expected<StageRecord>>> records(count);
-    std::atomic<std::size_t> next{0};
-    const auto work = [&] {
-      for (std::size_t k = next++; k < count; k = next++)
-        records[k].emplace(fit_stage(models[k], wave[k], options));
-    };
-    std::vector<std::thread> others;
-    for (int t = 1; t < at_once; ++t) others.emplace_back(work);
-    work();
-    for (std::thread& other : others) other.join();
+    in_parallel(at_once, static_cast<int>(count), [&](int, int i) {
+      const auto k = static_cast<std::size_t>(i);
+      records[k].emplace(fit_stage(models[k], wave[k], options));
+    });
     for (std::size_t k = 0; k < count; ++k) {
       if (!*records[k]) return tl::unexpected(records[k]->error());
       StageRecord& record = **records[k];

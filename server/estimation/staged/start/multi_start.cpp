@@ -2,11 +2,10 @@
 #include "server/estimation/staged/start/multi_start.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <random>
-#include <thread>
+#include "server/estimation/parallel.h"
 
 namespace tenter::estimation {
 namespace {
@@ -73,20 +72,13 @@ Expected<std::vector<StartOutcome>> multi_start(const model::Model& model,
   if (auto made = SequenceEvaluator::make(model, sequences, evaluating); !made)
     return tl::unexpected(made.error());
   std::vector<StartOutcome> outcomes(starts.size());
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t k = next++; k < starts.size(); k = next++) {
-      // one that has seen nothing: what it remembers is part of the answer
-      auto evaluator = SequenceEvaluator::make(model, sequences, evaluating);
-      outcomes[k] = outcome_of(*evaluator, model, ties, sequences, starts[k], options);
-      outcomes[k].start = static_cast<int>(k);
-    }
-  };
-  std::vector<std::thread> others;
-  for (int t = 1; t < std::min(options.threads, static_cast<int>(starts.size())); ++t)
-    others.emplace_back(work);
-  work();
-  for (std::thread& other : others) other.join();
+  in_parallel(options.threads, static_cast<int>(starts.size()), [&](int, int k) {
+    const auto i = static_cast<std::size_t>(k);
+    // one that has seen nothing: what it remembers is part of the answer
+    auto evaluator = SequenceEvaluator::make(model, sequences, evaluating);
+    outcomes[i] = outcome_of(*evaluator, model, ties, sequences, starts[i], options);
+    outcomes[i].start = k;
+  });
   std::stable_sort(outcomes.begin(), outcomes.end(),
                    [](const StartOutcome& a, const StartOutcome& b) { return a.cost < b.cost; });
   return outcomes;

@@ -170,7 +170,7 @@ TEST(StagedFit, GoneOnFromAnyOfItsStagesEndsInTheSameBytes) {
     frames = 0;
     const auto resumed = staged_fit(start, measured, again);
     ASSERT_TRUE(resumed) << resumed.error().message;
-    EXPECT_LT(frames, frames_of_all);
+    EXPECT_LT(frames, frames_of_all + (k == 0 ? 1 : 0));  // the first guess solves no frame
     EXPECT_EQ(model::write_model(resumed->model), model::write_model(whole->model)) << k;
     ASSERT_EQ(resumed->stages.size(), whole->stages.size());
     for (std::size_t s = 0; s < whole->stages.size(); ++s)

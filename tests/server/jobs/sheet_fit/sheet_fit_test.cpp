@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "common/capture/capture_file.h"
@@ -40,6 +41,7 @@ class SheetJob : public ::testing::Test {
       testing::SheetCaptureOptions options;
       options.role = role;
       options.seed = static_cast<unsigned>(++index);
+      options.sigma_N = 5e-4;
       options.reach = index == 6 ? 0.7 : 1.0;  // the last is for evaluation
       const fs::path path = folder_ / (std::to_string(index) + ".h5");
       ASSERT_TRUE(capture::write_capture(testing::sheet_capture(options), path.string()));
@@ -48,6 +50,7 @@ class SheetJob : public ::testing::Test {
       spec_["options"]["roles"][id_of(index)] = index == 6 ? "evaluation" : role;
     }
     spec_["options"]["resolution"] = 7;
+    spec_["options"]["max_control_points"] = 2;
     spec_["kind"] = "fit";
     spec_["model"] = json::parse(model::preset_json("cloth_stvk_spline").value());
   }
@@ -84,10 +87,18 @@ TEST_F(SheetJob, FindsTheClothAndTellsAllThatItDid) {
   ASSERT_TRUE(done) << done.error().message;
   const json result = json::parse(bytes("stvk/result.json"));
   EXPECT_EQ(result["schema"], "tenter.sheet_fit");
+  const std::string page_checks = result["checklist"].dump();
   const double truth[] = {45.0, 80.0, 9.0, 4e-5, 6e-5, 5e-5};
   ASSERT_EQ(result["parameters"].size(), 6U);
   for (std::size_t k = 0; k < 6; ++k) {
     const json& p = result["parameters"][k];
+    // strips that hang over a straight edge hardly tell diagonal bending: whatever became of it is
+    // said
+    if (p["name"] == "bend_diagonal.k") {
+      const bool is_told = page_checks.find("bend_diagonal.k") != std::string::npos;
+      EXPECT_TRUE(p["state"] == "free" || is_told) << p;
+      continue;
+    }
     EXPECT_EQ(p["state"], "free") << p["name"];
     EXPECT_NEAR(p["value"].get<double>(), truth[k], 0.05 * truth[k]) << p["name"];
     // five standard errors, which are themselves no larger than a tenth of the value
@@ -101,7 +112,9 @@ TEST_F(SheetJob, FindsTheClothAndTellsAllThatItDid) {
       const json& errors = result[kind][channel];
       EXPECT_LT(errors["after_sigmas"].get<double>(), 1.5) << kind << " " << channel;
       EXPECT_GT(errors["after_sigmas"].get<double>(), 0.4) << kind << " " << channel;
-      EXPECT_GT(errors["before_sigmas"].get<double>(), 3.0) << kind << " " << channel;
+      // where a pulled sheet lies hardly hangs on its stiffness
+      if (std::string(kind) == "fitted" || std::string(channel) == "force")
+        EXPECT_GT(errors["before_sigmas"].get<double>(), 3.0) << kind << " " << channel;
     }
   ASSERT_EQ(result["captures"].size(), 6U);
   EXPECT_TRUE(result["captures"][5]["held_out"].get<bool>());
@@ -132,12 +145,12 @@ TEST_F(SheetJob, FindsTheClothAndTellsAllThatItDid) {
   EXPECT_EQ(vertices->front().frame.size(), 5U);
 }
 
-TEST_F(SheetJob, SaysWhatItIsDoing) {
-  ASSERT_TRUE(run("live"));
+/// Stages, the frame being solved, the values that are tried; never backwards.
+void expect_live(const std::vector<JobProgress>& all) {
   std::set<std::string> stages;
   bool has_values = false;
   double fraction = 0.0;
-  for (const JobProgress& p : progress_) {
+  for (const JobProgress& p : all) {
     stages.insert(p.stage);
     has_values |= p.detail.find("frame ") == 0 && p.detail.find("; weft ") != std::string::npos;
     EXPECT_GE(p.fraction, fraction);
@@ -150,6 +163,7 @@ TEST_F(SheetJob, SaysWhatItIsDoing) {
 
 TEST_F(SheetJob, GoesOnAfterItsLastStageWithTheSameBytes) {
   ASSERT_TRUE(run("whole"));
+  expect_live(progress_);
   const std::string whole = bytes("whole/result.json");
   // stopped while a stage runs, as a cancelled or killed worker is
   std::stop_source stop;

@@ -187,8 +187,8 @@ void add_fit(CLI::App& app, Context& context) {
               "EXAMPLES\n"
               "    tenter fit pull.h5 --model stvk_orthotropic_spline --save-model fitted.json\n"
               "    tenter --json fit pull.h5 | jq '.parameters'\n"
-              "    tenter fit u.h5 v.h5 s.h5 --model cloth_stvk_spline --role u.h5=stretch_u "
-              "--role v.h5=stretch_v --role s.h5=shear --report fit.html\n",
+              "    tenter fit u.h5 v.h5 --role u.h5=stretch_u --role v.h5=stretch_v --report "
+              "fit.html\n",
               draft);
   auto sheet = std::make_shared<SheetFitDraft>();
   add_sheet_fit_options(*command, *sheet);

@@ -9,8 +9,6 @@ namespace tenter::cli {
 
 namespace {
 
-constexpr const char* kGroup = "Captures of a deforming sheet";
-
 /// The id of the capture that the user means: as it was named, by its file's name, or by the
 /// beginning of its SHA-256.
 Expected<std::string> id_of(const std::string& option, const std::string& name,
@@ -60,61 +58,56 @@ Expected<void> each(const char* option, const std::vector<std::string>& given,
 void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft) {
   command
       .add_option("--role", draft.roles,
-                  "What a capture is for: stretch_u, stretch_v, shear, bend_u, bend_v, or "
+                  "Sheets: what a capture is for: stretch_u, stretch_v, shear, bend_u, bend_v, or "
                   "evaluation (held out); one for each capture.")
       ->type_name("CAPTURE=ROLE")
       ->expected(1)
-      ->take_all()
-      ->group(kGroup);
+      ->take_all();
   command
       .add_option("--held-out", draft.held_out,
-                  "Compare this capture at the end, but do not fit to it; may be repeated.")
+                  "Sheets: compare this capture at the end, but do not fit to it; may be repeated.")
       ->type_name("CAPTURE")
       ->expected(1)
-      ->take_all()
-      ->group(kGroup);
-  command.add_option("--weight", draft.weights, "Weight of a capture in the cost. Default: 1.")
+      ->take_all();
+  command
+      .add_option("--weight", draft.weights, "Sheets: weight of a capture in the cost. Default: 1.")
       ->type_name("CAPTURE=NUMBER")
       ->expected(1)
-      ->take_all()
-      ->group(kGroup);
+      ->take_all();
   command
       .add_option("--resolution", draft.resolution,
-                  "Nodes on a side of the simulated sheet. Default: 25.")
+                  "Sheets: nodes on a side of the simulated sheet. Default: 25.")
       ->type_name("N")
-      ->check(CLI::Range(3, 201))
-      ->group(kGroup);
+      ->check(CLI::Range(3, 201));
   command
       .add_option("--points", draft.points,
-                  "Compare at most so many vertices of a capture. Default: all.")
+                  "Sheets: compare at most so many vertices of a capture. Default: all.")
       ->type_name("N")
-      ->check(CLI::NonNegativeNumber)
-      ->group(kGroup);
+      ->check(CLI::NonNegativeNumber);
   command
       .add_option("--max-control-points", draft.max_control_points,
-                  "Of a stiffness curve. Default: 5.")
+                  "Sheets: of a stiffness curve. Default: 5.")
       ->type_name("N")
-      ->check(CLI::Range(1, 12))
-      ->group(kGroup);
+      ->check(CLI::Range(1, 12));
   command
-      .add_option("--start", draft.start,
-                  "Begin with what the measured forces say (equation_gap), or with the model's own "
-                  "values (model). Default: equation_gap.")
-      ->check(CLI::IsMember({"equation_gap", "model"}))
-      ->group(kGroup);
+      .add_option(
+          "--start", draft.start,
+          "Sheets: begin with what the measured forces say (equation_gap), or with the model's own "
+          "values (model). Default: equation_gap.")
+      ->type_name("WORD")
+      ->check(CLI::IsMember({"equation_gap", "model"}));
   command
-      .add_option("--channels", draft.channels,
-                  "Compare as the thesis does, forces of stretch and shear and positions of "
-                  "bending (thesis), or all. Default: thesis.")
-      ->check(CLI::IsMember({"thesis", "all"}))
-      ->group(kGroup);
-  command.add_option("--robust", draft.robust, "Loss against outliers. Default: none.")
-      ->check(CLI::IsMember({"none", "huber", "cauchy"}))
-      ->group(kGroup);
-  command
-      .add_flag("--at-once", draft.at_once,
-                "Fit all curves to all captures in one stage, instead of in stages.")
-      ->group(kGroup);
+      .add_option(
+          "--channels", draft.channels,
+          "Sheets: compare as the thesis does, forces of stretch and shear and positions of "
+          "bending (thesis), or all. Default: thesis.")
+      ->type_name("WORD")
+      ->check(CLI::IsMember({"thesis", "all"}));
+  command.add_option("--robust", draft.robust, "Sheets: loss against outliers. Default: none.")
+      ->type_name("WORD")
+      ->check(CLI::IsMember({"none", "huber", "cauchy"}));
+  command.add_flag("--at-once", draft.at_once,
+                   "Sheets: fit all curves to all captures in one stage, instead of in stages.");
 }
 
 Expected<void> complete_options(const SheetFitDraft& draft, const std::vector<std::string>& names,

@@ -291,6 +291,7 @@ class Stage {
 
   void write_back(const Fitted& fitted, model::Model& model) {
     record_.done = true;
+    record_.converged = fitted.result.converged;
     record_.cost_after = fitted.result.chi2;
     record_.message = record_.stopped ? "stopped" : fitted.result.message;
     const std::vector<std::string> names = parameter_names(fitted.model);

@@ -68,8 +68,9 @@ struct StageTask {
 /// What a stage did; nothing is left out of it.
 struct StageRecord {
   std::string name;
-  std::string message;  ///< how it ended; why it was skipped
-  bool done = false;    ///< its values are in the model
+  std::string message;     ///< how it ended; why it was skipped
+  bool done = false;       ///< its values are in the model
+  bool converged = false;  ///< the fit that they are from
   bool stopped = false;
   bool guessed = false;        ///< the equation gap's guess was the better start
   std::string guess_message;   ///< why there was none

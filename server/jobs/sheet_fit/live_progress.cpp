@@ -8,6 +8,7 @@ namespace tenter::jobs {
 
 namespace {
 constexpr std::chrono::milliseconds kEvery{50};
+constexpr std::chrono::milliseconds kSilent{1000};
 // of the whole job; reading comes before, comparison and writing after
 constexpr double kFrom = 0.04;
 constexpr double kTo = 0.9;
@@ -26,6 +27,7 @@ void LiveProgress::begin(std::size_t stages, std::size_t done) {
 void LiveProgress::frame(const estimation::StageFrame& frame) {
   const std::lock_guard lock(mutex_);
   const auto now = std::chrono::steady_clock::now();
+  if (!is_told(frame.stage, now)) return;
   if (now < next_ && last_.stage == frame.stage) return;
   next_ = now + kEvery;
   if (last_.stage != frame.stage) last_.iteration = 0;
@@ -39,6 +41,7 @@ void LiveProgress::frame(const estimation::StageFrame& frame) {
 
 void LiveProgress::iteration(const estimation::StageProgress& progress) {
   const std::lock_guard lock(mutex_);
+  if (!is_told(progress.stage, std::chrono::steady_clock::now())) return;
   last_.stage = progress.stage;
   last_.iteration = progress.iteration;
   last_.cost = progress.cost;
@@ -49,6 +52,14 @@ void LiveProgress::iteration(const estimation::StageProgress& progress) {
 void LiveProgress::stages_done(std::size_t done) {
   const std::lock_guard lock(mutex_);
   done_ = done;
+  told_.clear();
+}
+
+bool LiveProgress::is_told(const std::string& stage, std::chrono::steady_clock::time_point now) {
+  if (told_.empty() || now - heard_ > kSilent) told_ = stage;
+  if (told_ != stage) return false;
+  heard_ = now;
+  return true;
 }
 
 double LiveProgress::fraction() const {

@@ -4,8 +4,8 @@
 //
 //   stage "bend_u"  detail "frame 12 of 40, bend left; bend_weft 0.00021 0.00018"
 //
-// Any thread may call. The rate is the worker's matter, but words are made at most 20 times a
-// second.
+// Of stages that run side by side one is told of, until it falls silent. Any thread may call. The
+// rate is the worker's matter, but words are made at most 20 times a second.
 #pragma once
 
 #include <chrono>
@@ -29,12 +29,16 @@ class LiveProgress {
 
  private:
   double fraction() const;
+  /// Whether this stage is the one that is told of; it becomes so where there is none.
+  bool is_told(const std::string& stage, std::chrono::steady_clock::time_point now);
 
   std::function<void(const JobProgress&)> report_;
   std::mutex mutex_;
   std::size_t stages_ = 1;
   std::size_t done_ = 0;
   JobProgress last_;
+  std::string told_;  ///< stage; "": the next that comes
+  std::chrono::steady_clock::time_point heard_{};
   std::chrono::steady_clock::time_point next_{};
 };
 

@@ -113,12 +113,14 @@ estimation::FitResult optimum(const model::Model& model, const SheetFindings& fo
   std::vector<int> free;
   for (std::size_t k = 0; k < parameters.size(); ++k)
     if (!parameters[k]->fixed) free.push_back(static_cast<int>(k));
-  const Eigen::VectorXd weights = evaluator->weights();
-  estimation::describe_optimum(
-      parameters, free,
-      weights.size() > 0 ? weights : Eigen::VectorXd::Ones(evaluator->row_count()),
-      found.options.loss, evaluator->rows(), result);
+  Eigen::VectorXd weights = evaluator->weights();
+  if (weights.size() == 0) weights.setOnes(evaluator->row_count());
+  result.chi2 = weights.dot(result.residuals.cwiseAbs2());
+  estimation::describe_optimum(parameters, free, weights, found.options.loss, evaluator->rows(),
+                               result);
   result.usable = true;
+  result.converged = found.stages.back().done && found.stages.back().converged;
+  result.message = found.stages.back().message;
   return result;
 }
 

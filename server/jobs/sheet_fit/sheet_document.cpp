@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "common/model/document.h"
 #include "common/model/export/curves.h"
 #include "common/model/export/term_curve.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
+#include "server/estimation/uncertainty/caveats.h"
 #include "server/jobs/sheet_fit/sheet_figures.h"
 #include "server/jobs/sheet_fit/stage_json.h"
 
@@ -116,6 +118,7 @@ json stage_json(const estimation::StageRecord& stage, const std::vector<std::str
   return {{"name", stage.name},
           {"terms", terms},
           {"done", stage.done},
+          {"converged", stage.converged},
           {"message", stage.message},
           {"guessed", stage.guessed},
           {"guess_message", stage.guess_message},
@@ -209,46 +212,51 @@ json check(const char* level, const std::string& what, const std::string& why) {
   return {{"level", level}, {"what", what}, {"why", why}};
 }
 
-std::string named(const std::vector<std::string>& names) {
-  std::string all;
-  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+/// "at bound: weft.k": what a caveat is about.
+std::string heading(const estimation::Caveat& caveat) {
+  std::string words(estimation::words_of(caveat.kind));
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words + ": " + caveat.subject;
+}
+
+std::vector<estimation::DroppedFrames> dropped_frames(const SheetFindings& found) {
+  std::vector<estimation::DroppedFrames> all;
+  for (std::size_t i = 0; i < found.inputs.size(); ++i) {
+    const SheetInput& input = found.inputs[i];
+    std::vector<int> unread, restless;
+    for (const std::size_t frame : input.captured.use.dropped_frames)
+      unread.push_back(input.capture.frame[frame]);
+    for (const estimation::RestlessFrame& frame : found.after[i].restless)
+      restless.push_back(input.frame_number(static_cast<std::size_t>(frame.frame)));
+    all.push_back({input.capture.title, unread, "the cord of a free clip was not measured"});
+    all.push_back({input.capture.title, restless, "the fitted model has no rest there"});
+  }
+  for (const estimation::StageRecord& stage : found.stages)
+    for (const auto& frame : stage.dropped)
+      all.push_back({frame.sequence + " in stage " + stage.name, {frame.frame}, frame.reason});
   return all;
 }
 
-/// What a reader must not overlook: skipped stages, dropped frames, parameters that the captures do
-/// not determine, misfit above the noise.
+/// What a reader must not overlook: stages that were not done, captures without a rest, the fit's
+/// own caveats, and how far the errors are from the noise.
 json checklist_json(const SheetFindings& found) {
   json list = json::array();
-  for (const auto& stage : found.stages)
-    if (!stage.done)
-      list.push_back(check("WARNING", "Stage " + stage.name + " was not done", stage.message));
-  std::size_t dropped = 0, frames = 0;
-  for (std::size_t i = 0; i < found.inputs.size(); ++i) {
-    frames += found.inputs[i].sequence().frames.size();
-    dropped += found.after[i].restless.size() + found.inputs[i].captured.use.dropped_frames.size();
+  for (std::size_t i = 0; i < found.inputs.size(); ++i)
     if (found.after[i].restless.size() == found.inputs[i].sequence().frames.size())
       list.push_back(check("ERROR", "No frame of " + found.inputs[i].capture.title + " has a rest",
                            found.after[i].restless.front().reason));
+  if (!found.optimum.usable)
+    list.push_back(check("ERROR", "No intervals could be found", found.optimum.message));
+  for (const auto& stage : found.stages)
+    if (!stage.done)
+      list.push_back(check("WARNING", "Stage " + stage.name + " was not done", stage.message));
+  estimation::CaveatOptions limits;
+  limits.correlation = kCorrelated;
+  for (const estimation::Caveat& caveat :
+       estimation::caveats(found.fitted, found.optimum, {}, {}, dropped_frames(found), limits)) {
+    const bool is_wanted = caveat.kind == estimation::CaveatKind::frozen;  // by the document
+    list.push_back(check(is_wanted ? "OK" : "WARNING", heading(caveat), caveat.sentence));
   }
-  list.push_back(check(dropped > 0 ? "WARNING" : "OK", "Frames dropped",
-                       std::to_string(dropped) + " of " + std::to_string(frames)));
-
-  const auto names = estimation::parameter_names(found.fitted);
-  for (const auto& [state, what] :
-       {std::pair{ParameterState::at_bound, "Parameters at a bound"},
-        std::pair{ParameterState::zero_gradient, "Parameters that nothing moves with"},
-        std::pair{ParameterState::flat, "Parameters that the captures do not determine"}}) {
-    std::vector<std::string> of;
-    for (std::size_t k = 0; k < found.optimum.states.size(); ++k)
-      if (found.optimum.states[k] == state) of.push_back(names[k]);
-    if (!of.empty()) list.push_back(check("WARNING", what, named(of)));
-  }
-  if (found.optimum.states.empty())
-    list.push_back(check("WARNING", "No intervals", found.optimum.message));
-  const json correlated = correlations_json(found);
-  if (!correlated.empty())
-    list.push_back(check("WARNING", "Correlated parameters",
-                         std::to_string(correlated.size()) + " pairs above 0.9"));
   const json fitted = total_json(found, false);
   for (const char* kind : {"force", "position"}) {
     if (fitted.is_null() || fitted[kind].is_null()) continue;

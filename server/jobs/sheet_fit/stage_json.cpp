@@ -38,6 +38,7 @@ json to_json(const StageRecord& record) {
   return {{"name", record.name},
           {"message", record.message},
           {"done", record.done},
+          {"converged", record.converged},
           {"stopped", record.stopped},
           {"guessed", record.guessed},
           {"guess_message", record.guess_message},
@@ -62,6 +63,7 @@ StageRecord record_of(const json& value) {
   value.at("name").get_to(record.name);
   value.at("message").get_to(record.message);
   value.at("done").get_to(record.done);
+  value.at("converged").get_to(record.converged);
   value.at("stopped").get_to(record.stopped);
   value.at("guessed").get_to(record.guessed);
   value.at("guess_message").get_to(record.guess_message);

@@ -113,8 +113,9 @@ TEST_F(SheetJob, FindsTheClothAndTellsAllThatItDid) {
       EXPECT_LT(errors["after_sigmas"].get<double>(), 1.5) << kind << " " << channel;
       EXPECT_GT(errors["after_sigmas"].get<double>(), 0.4) << kind << " " << channel;
       // where a pulled sheet lies hardly hangs on its stiffness
-      if (std::string(kind) == "fitted" || std::string(channel) == "force")
+      if (std::string(kind) == "fitted" || std::string(channel) == "force") {
         EXPECT_GT(errors["before_sigmas"].get<double>(), 3.0) << kind << " " << channel;
+      }
     }
   ASSERT_EQ(result["captures"].size(), 6U);
   EXPECT_TRUE(result["captures"][5]["held_out"].get<bool>());

@@ -11,6 +11,7 @@
 #include "server/estimation/least_squares/covariance.h"
 #include "server/estimation/staged/resting_frames.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
+#include "server/estimation/staged/splines/strain_histogram.h"
 #include "server/jobs/sheet_fit/live_progress.h"
 #include "server/jobs/sheet_fit/sheet_document.h"
 #include "server/jobs/sheet_fit/sheet_residuals.h"
@@ -137,6 +138,29 @@ Expected<std::vector<Prediction>> predictions(const model::Model& model,
   return all;
 }
 
+/// Terms whose range of strains no stage chose get the one that the fitted frames reach, without
+/// outliers.
+void add_reached_strains(const SheetFindings& found, model::Model& model) {
+  constexpr double kOutliers = 0.005;  // as the stages'
+  std::vector<estimation::StrainHistogram> strains;
+  for (std::size_t i = 0; i < found.inputs.size(); ++i) {
+    if (found.inputs[i].held_out) continue;
+    const auto mesh = mechanics::MeshModel::make(model, found.inputs[i].sequence().cloth);
+    std::vector<mechanics::State> states;
+    for (const auto& state : found.after[i].states)
+      if (state) states.push_back(*state);
+    if (mesh) estimation::append(strains, estimation::strain_histograms(*mesh, states));
+  }
+  for (std::size_t t = 0; t < std::min(strains.size(), model.terms.size()); ++t) {
+    const std::string& id = model.terms[t].id;
+    const bool is_known = std::any_of(model.strain_ranges.begin(), model.strain_ranges.end(),
+                                      [&](const model::StrainRange& r) { return r.term == id; });
+    if (is_known || strains[t].is_empty()) continue;
+    const auto [lo, hi] = strains[t].range(kOutliers);
+    model.strain_ranges.push_back({id, lo, hi});
+  }
+}
+
 /// Splines of a starting model may have no range yet; stages begin such with a constant.
 model::Model comparable(model::Model start) {
   for (model::Term& term : start.terms)
@@ -203,6 +227,7 @@ Expected<void> run_sheet_fit(const JobInput& input, const json& spec,
   if (!start) return tl::unexpected(start.error());
   found.start = std::move(*start);
   std::vector<std::string> ids;
+  ids.reserve(captures.size());
   for (const auto& [id, capture] : captures) ids.push_back(id);
   auto options = read_sheet_options(spec.value("options", json::object()), ids);
   if (!options) return tl::unexpected(options.error());
@@ -234,6 +259,7 @@ Expected<void> run_sheet_fit(const JobInput& input, const json& spec,
   report({"intervals", "", 0, 0.0, 0.96});
   found.optimum = optimum(fit->model, found, threads);
   found.fitted = std::move(fit->model);
+  add_reached_strains(found, found.fitted);
   if (found.optimum.usable) estimation::store(found.optimum, found.fitted);
   if (!found.fitted.lineage) found.fitted.lineage.emplace();
   found.fitted.lineage->captures.clear();

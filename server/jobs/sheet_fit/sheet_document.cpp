@@ -112,6 +112,8 @@ json stage_json(const estimation::StageRecord& stage, const std::vector<std::str
   for (const auto& frame : stage.dropped)
     dropped.push_back(
         {{"capture", frame.sequence}, {"frame", frame.frame}, {"reason", frame.reason}});
+  // a stage that solved no frame has no cost
+  const auto cost = [&](double value) { return stage.rows > 0 ? number(value) : json(nullptr); };
   int points = 0;
   for (const auto& refinement : stage.refinements)
     if (refinement.kept) points = refinement.control_points;
@@ -123,9 +125,9 @@ json stage_json(const estimation::StageRecord& stage, const std::vector<std::str
           {"guessed", stage.guessed},
           {"guess_message", stage.guess_message},
           {"control_points", points > 0 ? json(points) : json(nullptr)},
-          {"cost_at_start", number(stage.cost_at_start)},
-          {"cost_before", number(stage.cost_before)},
-          {"cost_after", number(stage.cost_after)},
+          {"cost_at_start", cost(stage.cost_at_start)},
+          {"cost_before", cost(stage.cost_before)},
+          {"cost_after", cost(stage.cost_after)},
           {"rows", stage.rows},
           {"iterations", stage.iterations},
           {"at_bound", at_bound},

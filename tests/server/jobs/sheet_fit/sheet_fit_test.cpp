@@ -125,6 +125,8 @@ TEST_F(SheetJob, FindsTheClothAndTellsAllThatItDid) {
   EXPECT_EQ(result["stages"].back()["name"], "coupled");
   EXPECT_EQ(result["curves"].size(), 6U);
   EXPECT_EQ(result["curves"][0]["lo"].size(), result["curves"][0]["strain"].size());
+  // pulled by 4 mm of 100 mm: Green strains up to 0.04
+  EXPECT_NEAR(result["curves"][0]["reached"][1].get<double>(), 0.04, 0.012);
   EXPECT_GE(result["meshes"].size(), 6U);
   EXPECT_EQ(result["meshes"][0]["position_m"].size(), 49U);
 

@@ -81,6 +81,9 @@ Expected<std::string> specification(const JobRun& run, const std::vector<std::st
                          {"kind", run.kind},
                          {"captures", captures},
                          {"options", run.options}};
+  if (run.complete_options)
+    if (auto done = run.complete_options(captures, spec["options"]); !done)
+      return tl::unexpected(done.error());
   spec["model"] = nlohmann::json::parse(model::write_model(model));
   return spec.dump();
 }
@@ -129,7 +132,7 @@ nlohmann::ordered_json result_digest(const nlohmann::ordered_json& result,
                                      const std::string& job_id) {
   Json digest = {{"job_id", job_id}};
   for (const auto& [key, value] : result.items())
-    if (key != "figures") digest[key] = value;
+    if (key != "figures" && key != "meshes") digest[key] = value;
   return digest;
 }
 

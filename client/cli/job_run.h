@@ -3,6 +3,7 @@
 // have, submit the job, follow it, show what it found.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -18,6 +19,9 @@ struct JobRun {
   std::vector<std::string> captures;  ///< files, or hashes of captures on the server
   std::string model;                  ///< preset or file
   nlohmann::json options = nlohmann::json::object();  ///< of the job's specification
+  /// Adds what only the captures' ids can say, where there is any; called once they are known.
+  std::function<Expected<void>(const std::vector<std::string>& ids, nlohmann::json& options)>
+      complete_options = nullptr;
   SubmitOptions submit;
   bool detach = false;
   std::string output;      ///< keep result.json here

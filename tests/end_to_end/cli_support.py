@@ -27,6 +27,7 @@ def main():
     for name in ("tenter", "tenterd", "worker", "data"):
         parser.add_argument("--" + name, required=True)
     parser.add_argument("--artefacts")
+    parser.add_argument("--sheets")
     rest = parser.parse_known_args(namespace=PROGRAMS)[1]
     for name in ("tenter", "tenterd", "worker", "data"):
         setattr(PROGRAMS, name, os.path.abspath(getattr(PROGRAMS, name)))

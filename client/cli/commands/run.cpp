@@ -7,6 +7,7 @@
 #include "client/cli/job_run.h"
 #include "client/cli/output.h"
 #include "client/cli/scene_run.h"
+#include "client/cli/sheet/fit_options.h"
 
 namespace tenter::cli {
 
@@ -177,10 +178,24 @@ void add_fit(CLI::App& app, Context& context) {
       add_run(app, context, "fit", "fit the parameters of a model to captures",
               "Prints the error against the noise floor, and keeps the fitted model with the "
               "intervals of its parameters.\n"
+              "\n"
+              "Captures of a deforming sheet are fitted on a mesh, in stages: stretch, then shear, "
+              "then bending, then all together (--role says what each capture is for). The fit can "
+              "take long; if its worker or the server is killed it goes on after the last finished "
+              "stage, with the same result. `tenter residuals last --vertices` prints what is left "
+              "at the vertices.\n"
               "EXAMPLES\n"
               "    tenter fit pull.h5 --model stvk_orthotropic_spline --save-model fitted.json\n"
-              "    tenter --json fit pull.h5 | jq '.parameters'\n",
+              "    tenter --json fit pull.h5 | jq '.parameters'\n"
+              "    tenter fit u.h5 v.h5 --role u.h5=stretch_u --role v.h5=stretch_v --report "
+              "fit.html\n",
               draft);
+  auto sheet = std::make_shared<SheetFitDraft>();
+  add_sheet_fit_options(*command, *sheet);
+  draft->run.complete_options = [sheet, names = &draft->run.captures](
+                                    const std::vector<std::string>& ids, nlohmann::json& options) {
+    return complete_options(*sheet, *names, ids, options);
+  };
   add_leave_out(command, draft);
 }
 

@@ -80,7 +80,7 @@ std::string stage_lines(const Json& result) {
            right(significant(number(stage, "cost_before")) + " -> " +
                      significant(number(stage, "cost_after")),
                  26) +
-           (flag(stage, "converged") ? "" : "  not converged") + "\n";
+           (flag(stage, "done") ? "" : "  not done") + "\n";
   return out;
 }
 

@@ -101,31 +101,30 @@ std::string name_list(const Json& names) {
 
 std::string stage_row(const Json& stage, int number_of) {
   std::string what = "<span class=\"cause\">" + escape_html(effect_words(text(stage, "name"))) +
-                     "</span><div class=\"soft over\">" + name_list(list(stage, "parameters")) +
+                     "</span><div class=\"soft over\">" + name_list(list(stage, "terms")) +
                      "</div>";
+  if (flag(stage, "guessed"))
+    what +=
+        "<div class=\"soft over\">started from what the forces say at the measured places</div>";
   const std::string message = text(stage, "message");
   if (!message.empty()) what += "<div class=\"soft over\">" + escape_html(message) + "</div>";
-  std::string points;
-  const Json& counts = member(stage, "control_points");
-  if (counts.is_object())
-    for (const auto& [term, count] : counts.items())
-      points += (points.empty() ? "" : ", ") + escape_html(term) + " " + whole(count);
   std::string limits;
   for (const auto& [key, words] :
-       {std::pair{"at_bound", "at a bound: "}, std::pair{"frozen", "held fixed: "},
+       {std::pair{"at_bound", "at a bound: "}, std::pair{"flat", "not determined: "},
         std::pair{"zero_gradient", "without effect: "}})
     if (!list(stage, key).empty())
       limits += std::string("<div>") + words + name_list(list(stage, key)) + "</div>";
   for (const Json& frame : list(stage, "dropped"))
-    limits += "<div>frame " + whole(member(frame, "frame")) +
-              " dropped: " + escape_html(text(frame, "reason")) + "</div>";
-  const bool converged = flag(stage, "converged");
+    limits += "<div>" + escape_html(text(frame, "capture")) + ", frame " +
+              whole(member(frame, "frame")) + " dropped: " + escape_html(text(frame, "reason")) +
+              "</div>";
+  const bool done = flag(stage, "done");
   return "<tr>" + number_cell(std::to_string(number_of)) + cell(what) +
          number_cell(significant(number(stage, "cost_before")) + kArrow +
                      significant(number(stage, "cost_after"))) +
          number_cell(whole(member(stage, "iterations"))) +
-         cell(badge(converged ? "good" : "warn", converged ? "converged" : "not converged")) +
-         cell(points) + cell(limits) + "</tr>\n";
+         cell(badge(done ? "good" : "warn", done ? "done" : "not done")) +
+         number_cell(whole(member(stage, "control_points"))) + cell(limits) + "</tr>\n";
 }
 
 }  // namespace
@@ -164,7 +163,8 @@ std::string stage_table(const Json& result) {
   for (const Json& stage : list(result, "stages")) rows += stage_row(stage, ++index);
   return panel("stages", "Stages", "What was fitted, in this order, and what each stage left.",
                "<th class=\"n\">Stage</th><th>What was fitted</th><th class=\"n\">Cost</th><th "
-               "class=\"n\">Iterations</th><th></th><th>Control points</th><th>At the limits</th>",
+               "class=\"n\">Iterations</th><th></th><th class=\"n\">Control points</th><th>At the "
+               "limits</th>",
                rows);
 }
 

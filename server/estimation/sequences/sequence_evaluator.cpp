@@ -238,6 +238,7 @@ bool SequenceEvaluator::solve_frame(std::size_t sequence, std::size_t frame, int
   const Sequence& measured = sequences_[sequence];
   FrameWork& work = *frames_[sequence][frame];
   FrameWork::Slot& slot = work.slots[last_];
+  if (options_.on_frame) options_.on_frame({measured, static_cast<int>(frame), parameters});
   mechanics::Loads loads = measured.loads;
   loads.cord_force_N = measured.frames[frame].cord_force_N;
   prescribe(measured, frame, !how.is_near, slot.state);

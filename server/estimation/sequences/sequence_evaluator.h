@@ -29,6 +29,13 @@
 
 namespace tenter::estimation {
 
+/// A frame that is about to be solved. Refers to what lives as long as the call.
+struct FrameNote {
+  const Sequence& sequence;
+  int frame = 0;  ///< from 0
+  const Eigen::VectorXd& parameters;
+};
+
 struct SequenceOptions {
   int threads = 1;
   double tolerance_N = 1e-8;  ///< of the net force: below what differences of residuals show
@@ -38,6 +45,8 @@ struct SequenceOptions {
   Weighting weighting = {};
   std::function<double()> clock =
       nullptr;  ///< in seconds, for SequenceCost; callable from any thread
+  /// For whoever watches; called from any thread, returns soon.
+  std::function<void(const FrameNote&)> on_frame = nullptr;
 };
 
 /// What evaluations have cost so far. Seconds are summed over threads; zero without a clock.

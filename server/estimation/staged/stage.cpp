@@ -143,7 +143,7 @@ class Stage {
 
   std::optional<double> cost_at(const model::Model& model, const ParameterTies& ties,
                                 const Eigen::VectorXd& q) {
-    auto evaluator = SequenceEvaluator::make(model, sequences_, evaluator_options());
+    auto evaluator = SequenceEvaluator::make(model, sequences_, evaluator_options(model));
     if (!evaluator) return std::nullopt;
     Eigen::VectorXd residuals;
     if (evaluator->evaluate(ties.all(q), residuals, nullptr) != mechanics::PathStatus::ok)
@@ -153,11 +153,15 @@ class Stage {
     return weights.size() > 0 ? residuals.cwiseAbs2().dot(weights) : residuals.squaredNorm();
   }
 
-  SequenceOptions evaluator_options() const {
+  SequenceOptions evaluator_options(const model::Model& model) const {
     SequenceOptions options;
     options.threads = options_.threads;
     options.tolerance_N = options_.tolerance_N;
     options.weighting = options_.weighting;
+    if (options_.on_frame)
+      options.on_frame = [this, &model](const FrameNote& at) {
+        options_.on_frame({record_.name, model, at});
+      };
     return options;
   }
 
@@ -165,7 +169,7 @@ class Stage {
                                     const Eigen::VectorXd& q, std::optional<double>& cost) {
     if (cost) return {};
     // an input that does not fit is told from frames without rest
-    if (auto made = SequenceEvaluator::make(model, sequences_, evaluator_options()); !made)
+    if (auto made = SequenceEvaluator::make(model, sequences_, evaluator_options(model)); !made)
       return tl::unexpected(made.error());
     for (std::size_t s = 0; s < sequences_.size(); ++s) {
       auto rest = resting_frames(model, sequences_[s], ties.all(q), options_.tolerance_N);
@@ -187,11 +191,12 @@ class Stage {
   }
 
   Expected<Fitted> fit_curves(const model::Model& model, const ParameterTies& ties) {
-    auto evaluator = SequenceEvaluator::make(model, sequences_, evaluator_options());
+    auto evaluator = SequenceEvaluator::make(model, sequences_, evaluator_options(model));
     if (!evaluator) return tl::unexpected(evaluator.error());
     FitOptions options;
     options.max_iterations = options_.max_iterations;
     options.tolerance = options_.tolerance;
+    options.loss = options_.loss;
     const int points = points_of(model);
     if (options_.on_progress)
       options.on_iteration = [&](int iteration, double cost) {
@@ -286,6 +291,7 @@ class Stage {
 
   void write_back(const Fitted& fitted, model::Model& model) {
     record_.done = true;
+    record_.converged = fitted.result.converged;
     record_.cost_after = fitted.result.chi2;
     record_.message = record_.stopped ? "stopped" : fitted.result.message;
     const std::vector<std::string> names = parameter_names(fitted.model);

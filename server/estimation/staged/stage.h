@@ -29,6 +29,13 @@ struct StageProgress {
   double cost = 0.0;
 };
 
+/// A frame that is about to be solved, with the parameters that are tried.
+struct StageFrame {
+  const std::string& stage;
+  const model::Model& model;  ///< whose terms name the parameters; its values are the start's
+  FrameNote at;
+};
+
 struct StageOptions {
   int threads = 1;
   Channels channels = Channels::thesis;
@@ -40,9 +47,11 @@ struct StageOptions {
   double outliers = 0.005;    ///< share of the area at each end of the strains
   bool first_guess = true;    ///< by the equation gap
   GapOptions gap;
-  int max_iterations = 30;                                ///< of each fit
-  double tolerance = 1e-3;                                ///< relative fall of the cost
-  double tolerance_N = 1e-7;                              ///< of the net force of a frame at rest
+  int max_iterations = 30;    ///< of each fit
+  double tolerance = 1e-3;    ///< relative fall of the cost
+  double tolerance_N = 1e-7;  ///< of the net force of a frame at rest
+  RobustLoss loss = {};
+  std::function<void(const StageFrame&)> on_frame;        ///< from any thread; returns soon
   std::function<bool(const StageProgress&)> on_progress;  ///< returns false to stop
 };
 
@@ -59,8 +68,9 @@ struct StageTask {
 /// What a stage did; nothing is left out of it.
 struct StageRecord {
   std::string name;
-  std::string message;  ///< how it ended; why it was skipped
-  bool done = false;    ///< its values are in the model
+  std::string message;     ///< how it ended; why it was skipped
+  bool done = false;       ///< its values are in the model
+  bool converged = false;  ///< the fit that they are from
   bool stopped = false;
   bool guessed = false;        ///< the equation gap's guess was the better start
   std::string guess_message;   ///< why there was none

@@ -45,9 +45,12 @@ class StagedFit {
  public:
   StagedFit(model::Model model, const StagedOptions& options) : options_(options) {
     result_.model = std::move(model);
+    if (options.resume != nullptr) result_ = *options.resume;
+    done_before_ = result_.stages.size();
   }
 
   Expected<void> guess(const std::vector<RoleSequence>& measured) {
+    if (was_done(1)) return {};
     StageTask task{"first_guess", {}, options_.ties, {}};
     for (const model::Term& term : result_.model.terms) task.terms.push_back(term.id);
     for (const RoleSequence& s : measured)
@@ -57,13 +60,16 @@ class StagedFit {
     if (!record) return tl::unexpected(record.error());
     if (record->done) result_.model = std::move(guessed);
     result_.stages.push_back(std::move(*record));
+    if (options_.on_stages_done) options_.on_stages_done(result_);
     return {};
   }
 
   Expected<StagedResult> run(const std::vector<Wave>& waves) {
     for (const Wave& wave : waves) {
+      if (was_done(wave.size())) continue;
       if (auto ok = take(wave); !ok) return tl::unexpected(ok.error());
       if (result_.stopped) break;
+      if (options_.on_stages_done) options_.on_stages_done(result_);
     }
     return std::move(result_);
   }
@@ -104,6 +110,13 @@ class StagedFit {
     }
   }
 
+  /// Whether the next `count` stages are among those of a result that is gone on from.
+  bool was_done(std::size_t count) {
+    if (done_before_ < count) return false;
+    done_before_ -= count;
+    return true;
+  }
+
   bool report(const StageProgress& progress) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (is_stopping_) return false;
@@ -113,6 +126,7 @@ class StagedFit {
 
   const StagedOptions& options_;
   StagedResult result_;
+  std::size_t done_before_ = 0;  ///< stages of options_.resume that are still to be passed
   std::mutex mutex_;
   bool is_stopping_ = false;
 };

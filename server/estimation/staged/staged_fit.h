@@ -26,11 +26,18 @@
 
 namespace tenter::estimation {
 
+struct StagedResult;
+
 struct StagedOptions {
   StageOptions stage;                          ///< its threads are those of the whole fit
   bool repeat = true;                          ///< shear and bending once more
   bool coupled = true;                         ///< and all together
   std::vector<std::vector<std::string>> ties;  ///< groups of terms that share a curve
+  /// Called with all that was done so far, whenever stages have ended. Such a result (of the same
+  /// model, sequences and options) as `resume` is gone on from, and ends in the same bytes: stages
+  /// start from parameters alone.
+  std::function<void(const StagedResult&)> on_stages_done;
+  const StagedResult* resume = nullptr;
 };
 
 struct StagedResult {

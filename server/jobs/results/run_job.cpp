@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/jobs/results/run_job.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
@@ -11,6 +12,7 @@
 #include "server/diagnosis/diagnose.h"
 #include "server/jobs/results/result_document.h"
 #include "server/jobs/scene/run_scene.h"
+#include "server/jobs/sheet_fit/run_sheet_fit.h"
 
 namespace tenter::jobs {
 namespace {
@@ -58,7 +60,33 @@ Expected<diagnosis::Options> read_options(const json& spec) {
   return options;
 }
 
-Expected<diagnosis::Request> read_request(const JobInput& input, const json& spec) {
+using Captures = std::vector<std::pair<std::string, capture::Capture>>;
+
+Expected<Captures> read_captures(const JobInput& input) {
+  Captures captures;
+  for (const auto& [sha, path] : input.captures) {
+    auto capture = capture::read_capture_guarded(path.string());
+    if (!capture) return tl::unexpected(capture.error());
+    captures.emplace_back(sha, std::move(*capture));
+  }
+  return captures;
+}
+
+/// Whether the captures are those of a sheet; refused where only some are, or a sheet is not to be
+/// fitted.
+Expected<bool> are_sheets(const Captures& captures, const std::string& kind) {
+  const auto is_sheet = [](const auto& entry) { return entry.second.sheet.has_value(); };
+  const auto sheets = std::count_if(captures.begin(), captures.end(), is_sheet);
+  if (sheets == 0) return false;
+  if (sheets != static_cast<std::ptrdiff_t>(captures.size()))
+    return bad_input("captures: some are of a deforming sheet and some are not; fit them apart");
+  if (kind != "fit")
+    return bad_input("captures: those of a deforming sheet can be fitted; " + kind +
+                     " does not take them");
+  return true;
+}
+
+Expected<diagnosis::Request> read_request(Captures captures, const json& spec) {
   diagnosis::Request request;
   auto model = model::parse_model(spec.at("model").dump(), "model");
   if (!model) return tl::unexpected(model.error());
@@ -66,11 +94,7 @@ Expected<diagnosis::Request> read_request(const JobInput& input, const json& spe
   auto options = read_options(spec);
   if (!options) return tl::unexpected(options.error());
   request.options = *options;
-  for (const auto& [sha, path] : input.captures) {
-    auto capture = capture::read_capture_guarded(path.string());
-    if (!capture) return tl::unexpected(capture.error());
-    request.captures.emplace_back(sha, std::move(*capture));
-  }
+  request.captures = std::move(captures);
   return request;
 }
 
@@ -92,7 +116,12 @@ Expected<void> run_job(const JobInput& input, const std::function<void(const Job
   const std::string kind = spec["kind"].get<std::string>();
   if (spec.contains("scene")) return run_scene(input, spec, report, stop);
   report({"read", std::to_string(input.captures.size()) + " captures", 0, 0.0, 0.01});
-  auto request = read_request(input, spec);
+  auto captures = read_captures(input);
+  if (!captures) return tl::unexpected(captures.error());
+  const auto sheets = are_sheets(*captures, kind);
+  if (!sheets) return tl::unexpected(sheets.error());
+  if (*sheets) return run_sheet_fit(input, spec, std::move(*captures), report, stop);
+  auto request = read_request(std::move(*captures), spec);
   if (!request) return tl::unexpected(request.error());
 
   diagnosis::Control control;

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/cli/job_run.h"
+#include "client/cli/sheet/fit_options.h"
 #include "common/model/document.h"
 #include "common/model/presets.h"
 #include "common/report/residual_file.h"
@@ -303,6 +304,35 @@ TEST(CommandLine, ModelsGoToOtherFormatsAndComeBack) {
       call({"model", "export", "springs", "--to", "arcsim", "--area-density", "1"});
   EXPECT_EQ(refused.code, 2);
   EXPECT_NE(refused.err.find("term"), std::string::npos);
+}
+
+TEST(FitOptions, OfASheetNameCapturesAsTheUserDid) {
+  SheetFitDraft draft;
+  draft.roles = {"data/pull u=1.h5=stretch_u", "b.h5=shear", "cccccc=evaluation"};
+  draft.weights = {"b.h5=2.5"};
+  draft.held_out = {"cccccc"};
+  draft.resolution = 9;
+  draft.at_once = true;
+  const std::vector<std::string> names = {"data/pull u=1.h5", "data/b.h5", "cccccccc"};
+  const std::vector<std::string> ids = {std::string(64, 'a'), std::string(64, 'b'),
+                                        std::string(64, 'c')};
+  nlohmann::json options = nlohmann::json::object();
+  ASSERT_TRUE(complete_options(draft, names, ids, options));
+  EXPECT_EQ(
+      options,
+      (nlohmann::json{{"roles", {{ids[0], "stretch_u"}, {ids[1], "shear"}, {ids[2], "evaluation"}}},
+                      {"weights", {{ids[1], 2.5}}},
+                      {"held_out", {ids[2]}},
+                      {"resolution", 9},
+                      {"staged", false}}));
+  for (const auto& [role, words] :
+       {std::pair{"d.h5=shear", "--role d.h5: is none of the captures given"},
+        std::pair{"b.h5", "must be CAPTURE=VALUE"}, std::pair{"b.h5=", "must be CAPTURE=VALUE"}}) {
+    draft.roles = {role};
+    const auto refused = complete_options(draft, names, ids, options);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find(words), std::string::npos) << refused.error().message;
+  }
 }
 
 TEST(Residuals, VerticesOfASheetAsTableCsvAndJson) {

@@ -131,19 +131,22 @@ Json mesh(int index, const char* why) {
           {"rms_m", 9.4e-5}};
 }
 
-Json stage(const char* name, const char* parameter, double before, double after, bool converged) {
+Json stage(const char* name, const char* term, double before, double after, bool done) {
   return {{"name", name},
-          {"captures", Json::array({capture_id(0)})},
-          {"parameters", Json::array({parameter})},
-          {"control_points", {{"weft", 3}}},
+          {"terms", Json::array({term})},
+          {"done", done},
+          {"message", done ? "" : "FIXTURE no sequence"},
+          {"guessed", done},
+          {"guess_message", ""},
+          {"control_points", 3},
+          {"cost_at_start", 2.0 * before},
           {"cost_before", before},
           {"cost_after", after},
+          {"rows", 4000},
           {"iterations", 7},
-          {"converged", converged},
-          {"message", ""},
-          {"at_bound", converged ? Json::array() : Json::array({parameter})},
-          {"frozen", Json::array()},
+          {"at_bound", done ? Json::array() : Json::array({std::string(term) + ".k"})},
           {"zero_gradient", Json::array()},
+          {"flat", Json::array()},
           {"dropped", Json::array()}};
 }
 
@@ -163,8 +166,8 @@ Json sheet_fit() {
                     {"position", errors(7.5e-5, 4.1e-4, 8.1e-5)}};
   root["held_out"] = {{"force", errors(0.003, 0.041, 0.0062)},
                       {"position", errors(7.5e-5, 4.1e-4, 1.2e-4)}};
-  root["stages"] = Json::array({stage("stretch_u", "weft.k", 81000.0, 5300.0, true),
-                                stage("shear", "shear.k", 91000.0, 4100.0, false)});
+  root["stages"] = Json::array({stage("stretch_u", "weft", 81000.0, 5300.0, true),
+                                stage("shear", "shear", 91000.0, 4100.0, false)});
   root["parameters"] = Json::array({{{"name", "weft.k"},
                                      {"value", 81.2},
                                      {"unit", "N/m"},

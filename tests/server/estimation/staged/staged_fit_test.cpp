@@ -142,6 +142,42 @@ TEST(StagedFit, IsTheSameToTheByteForAnyNumberOfThreads) {
     EXPECT_EQ(one->stages[s].cost_after, two->stages[s].cost_after);
 }
 
+TEST(StagedFit, GoneOnFromAnyOfItsStagesEndsInTheSameBytes) {
+  RigOptions rig;
+  rig.frames = 3;
+  auto measured = measured_in_rig(curved_cloth(), rig);
+  measured.resize(3);  // stretch and shear
+  const auto start = model::preset("cloth_stvk_spline").value();
+  StagedOptions options = with_threads(1);
+  options.stage.most_points = 2;
+  std::vector<StagedResult> parts;
+  int frames = 0;
+  options.stage.on_frame = [&](const StageFrame& frame) {
+    EXPECT_EQ(frame.at.parameters.size(),
+              static_cast<Eigen::Index>(parameter_names(frame.model).size()));
+    ++frames;
+  };
+  options.on_stages_done = [&](const StagedResult& part) { parts.push_back(part); };
+  const auto whole = staged_fit(start, measured, options);
+  ASSERT_TRUE(whole) << whole.error().message;
+  ASSERT_GE(parts.size(), 3U);
+  EXPECT_GT(frames, 20);
+  const int frames_of_all = frames;
+  for (std::size_t k = 0; k < parts.size(); k += 2) {
+    StagedOptions again = options;
+    again.on_stages_done = {};
+    again.resume = &parts[k];
+    frames = 0;
+    const auto resumed = staged_fit(start, measured, again);
+    ASSERT_TRUE(resumed) << resumed.error().message;
+    EXPECT_LT(frames, frames_of_all + (k == 0 ? 1 : 0));  // the first guess solves no frame
+    EXPECT_EQ(model::write_model(resumed->model), model::write_model(whole->model)) << k;
+    ASSERT_EQ(resumed->stages.size(), whole->stages.size());
+    for (std::size_t s = 0; s < whole->stages.size(); ++s)
+      EXPECT_EQ(resumed->stages[s].cost_after, whole->stages[s].cost_after);
+  }
+}
+
 TEST(StagedFit, SaysWhatItLeftOut) {
   const model::Model truth = curved_cloth();
   RigOptions rig;

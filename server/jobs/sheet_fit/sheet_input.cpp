@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/jobs/sheet_fit/sheet_input.h"
+
+namespace tenter::jobs {
+
+Expected<std::vector<SheetInput>> sheet_inputs(
+    std::vector<std::pair<std::string, capture::Capture>> captures,
+    const SheetFitOptions& options) {
+  estimation::FromCaptureOptions how;
+  how.nodes_u = how.nodes_v = options.resolution;
+  how.most_points = options.points;
+  how.unknown_sigma_m = options.sigma_m;
+  how.unknown_sigma_N = options.sigma_N;
+  std::vector<SheetInput> inputs;
+  for (auto& [id, capture] : captures) {
+    auto captured = estimation::sequence_from_capture(capture, how);
+    if (!captured)
+      return fail(captured.error().kind, "capture \"" + capture.title + "\" (" + id.substr(0, 12) +
+                                             "): " + captured.error().message);
+    SheetInput input{id, std::move(capture), options.role_of(id), options.is_held_out(id),
+                     std::move(*captured)};
+    input.captured.sequence.name = input.capture.title;
+    if (const auto weight = options.weights.find(id); weight != options.weights.end())
+      input.captured.sequence.weight = weight->second;
+    input.capture.sheet->position_m = {};
+    inputs.push_back(std::move(input));
+  }
+  return inputs;
+}
+
+}  // namespace tenter::jobs

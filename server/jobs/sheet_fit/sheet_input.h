@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The captures of a sheet's fit as sequences, with what the report says of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/capture/capture.h"
+#include "server/estimation/sequences/from_capture.h"
+#include "server/jobs/sheet_fit/sheet_options.h"
+
+namespace tenter::jobs {
+
+struct SheetInput {
+  std::string id;            ///< SHA-256
+  capture::Capture capture;  ///< without its positions, which are in the sequence
+  estimation::Role role = estimation::Role::evaluation;
+  bool held_out = false;
+  estimation::CapturedSequence captured;
+
+  const estimation::Sequence& sequence() const { return captured.sequence; }
+  /// Frame number as in the capture, of a frame of the sequence.
+  int frame_number(std::size_t frame) const { return capture.frame[captured.frame[frame]]; }
+};
+
+/// bad_input names the capture and what is wrong with it (from_capture.h).
+Expected<std::vector<SheetInput>> sheet_inputs(
+    std::vector<std::pair<std::string, capture::Capture>> captures, const SheetFitOptions& options);
+
+}  // namespace tenter::jobs

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The options of a fit to captures of a deforming sheet, from the job's specification.
+//
+//   {"resolution": 25, "points": 2000, "start": "equation_gap" | "model", "staged": true,
+//    "max_control_points": 5, "channels": "thesis" | "all", "roles": {"<capture>": "stretch_u"},
+//    "held_out": ["<capture>"], "weights": {"<capture>": 2.0}, "robust": "none" | "huber" |
+//    "cauchy", "sigma_m": 1e-4, "sigma_N": 0.003}
+//
+// All may be absent. A staged fit needs a role for every capture that is fitted; "evaluation" is
+// the role of what is held out. sigma_m and sigma_N stand in for captures that do not say theirs.
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/base/error.h"
+#include "server/estimation/staged/staged_fit.h"
+
+namespace tenter::jobs {
+
+struct SheetFitOptions {
+  int resolution = 25;  ///< nodes on a side of the simulated grid
+  int points = 0;       ///< vertices of a capture that are compared; 0: all
+  bool first_guess = true;
+  bool staged = true;
+  int max_control_points = 5;
+  estimation::Channels channels = estimation::Channels::thesis;
+  std::map<std::string, estimation::Role> roles;
+  std::set<std::string> held_out;
+  std::map<std::string, double> weights;
+  estimation::RobustLoss loss;
+  double sigma_m = 0.0;
+  double sigma_N = 0.0;
+
+  estimation::Role role_of(const std::string& capture) const;
+  /// Seen by no stage.
+  bool is_held_out(const std::string& capture) const;
+};
+
+const char* role_name(estimation::Role role);
+
+/// bad_input begins with the path of the key: "options.roles.3fa9c1...: ...".
+Expected<SheetFitOptions> read_sheet_options(const nlohmann::json& given,
+                                             const std::vector<std::string>& captures);
+
+/// What is in force, defaults filled in.
+nlohmann::json options_json(const SheetFitOptions& options);
+
+}  // namespace tenter::jobs

@@ -229,6 +229,8 @@ Expected<std::vector<ProgressiveRow>> progressive_fit(const std::vector<RoleSequ
   ProgressiveModel now = progressive_model(isotropic, {}, nullptr);
   std::vector<Sequence> sequences;
   std::vector<GapSequence> shapes;
+  sequences.reserve(training.size());
+  shapes.reserve(training.size());
   for (const RoleSequence& s : training) sequences.push_back(s.sequence);
   for (const RoleSequence& s : training) shapes.push_back({&s.sequence, GapRows::all});
   if (const auto gap = equation_gap(now.model, now.ties, shapes, options.gap); gap)

@@ -16,7 +16,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "common/capture/capture_file.h"
+#include "common/capture/file/capture_file.h"
 #include "common/scene/document.h"
 #include "server/jobs/types.h"
 

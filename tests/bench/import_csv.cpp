@@ -4,8 +4,8 @@
 #include <cstdio>
 
 #include "common/base/text_file.h"
-#include "common/capture/capture_file.h"
-#include "common/capture/csv_import.h"
+#include "common/capture/csv/csv_import.h"
+#include "common/capture/file/capture_file.h"
 #include "common/capture/sheet_import/sheet_description.h"
 #include "common/capture/sheet_import/sheet_import.h"
 

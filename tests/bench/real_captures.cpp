@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "common/capture/capture_file.h"
+#include "common/capture/file/capture_file.h"
 #include "common/model/presets.h"
 #include "server/diagnosis/diagnose.h"
 #include "server/diagnosis/verdicts.h"

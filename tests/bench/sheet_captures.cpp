@@ -10,7 +10,7 @@
 #include <functional>
 #include <string>
 
-#include "common/capture/capture_file.h"
+#include "common/capture/file/capture_file.h"
 #include "common/capture/sheet/sheet_export.h"
 #include "common/capture/sheet_import/sheet_import.h"
 #include "server/estimation/sequences/from_capture.h"

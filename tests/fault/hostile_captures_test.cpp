@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "common/capture/capture_file.h"
+#include "common/capture/file/capture_file.h"
 #include "common/h5/reader.h"
 #include "common/h5/writer.h"
 #include "common/report/residual_file.h"

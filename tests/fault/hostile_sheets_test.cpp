@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/capture/capture_file.h"
+#include "common/capture/file/capture_file.h"
 #include "common/capture/sheet/sheet_export.h"
 #include "common/capture/sheet_import/sheet_import.h"
 #include "common/capture/validate.h"

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "common/capture/capture_file.h"
+#include "common/capture/file/capture_file.h"
 #include "tests/twin/generator.h"
 
 namespace tenter::twin {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/capture/capture_file.h"
+#include "common/capture/file/capture_file.h"
 #include "tests/twin/generator.h"
 #include "tests/twin/hidden_effects.h"
 #include "tests/twin/suite.h"

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/atomic_write.h"
-#include "common/capture/csv_export_parts.h"
-#include "common/capture/csv_table.h"
+#include "common/capture/csv/csv_export_parts.h"
+#include "common/capture/csv/csv_table.h"
 
 namespace tenter::capture {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/capture/layout_source.h"
+#include "common/capture/file/layout_source.h"
 #include "common/capture/sheet/sheet.h"
 #include "common/h5/writer.h"
 

@@ -3,7 +3,7 @@
 #include <limits>
 #include <map>
 
-#include "common/capture/layout.h"
+#include "common/capture/file/layout.h"
 #include "common/capture/sheet/sheet_file.h"
 
 namespace tenter::capture {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/capture/layout.h"
+#include "common/capture/file/layout.h"
 #include "common/capture/sheet/sheet_file.h"
 
 namespace tenter::capture {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/capture/description_parts.h"
+#include "common/capture/csv/description_parts.h"
 #include "common/capture/strict_json.h"
 
 namespace tenter::capture {

@@ -12,8 +12,8 @@
 
 #include "common/base/error.h"
 #include "common/capture/capture.h"
-#include "common/capture/csv_table.h"
-#include "common/capture/description.h"
+#include "common/capture/csv/csv_table.h"
+#include "common/capture/csv/description.h"
 #include "common/capture/units.h"
 
 namespace tenter::capture {

@@ -9,8 +9,8 @@
 #include <unordered_map>
 
 #include "common/base/text_file.h"
-#include "common/capture/branch_detection.h"
-#include "common/capture/csv_import_table.h"
+#include "common/capture/csv/branch_detection.h"
+#include "common/capture/csv/csv_import_table.h"
 #include "common/capture/sheet_import/sheet_description.h"
 #include "common/capture/sheet_import/sheet_tables.h"
 #include "common/capture/sheet_import/sheet_tracks.h"

@@ -6,7 +6,7 @@
 
 #include "common/base/sha256.h"
 #include "common/base/text_file.h"
-#include "common/capture/csv_import_table.h"
+#include "common/capture/csv/csv_import_table.h"
 
 namespace tenter::capture {
 

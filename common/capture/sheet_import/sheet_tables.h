@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "common/base/error.h"
-#include "common/capture/csv_cells.h"
-#include "common/capture/csv_table.h"
+#include "common/capture/csv/csv_cells.h"
+#include "common/capture/csv/csv_table.h"
 #include "common/capture/sheet_import/sheet_description.h"
 
 namespace tenter::capture {

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "common/base/atomic_write.h"
-#include "common/capture/capture_file.h"
+#include "common/capture/file/capture_file.h"
 #include "common/model/document.h"
 #include "server/diagnosis/diagnose.h"
 #include "server/jobs/results/result_document.h"

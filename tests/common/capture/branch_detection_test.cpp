@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/capture/branch_detection.h"
+#include "common/capture/csv/branch_detection.h"
 
 #include <gtest/gtest.h>
 

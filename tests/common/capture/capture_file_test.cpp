@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/capture/capture_file.h"
+#include "common/capture/file/capture_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

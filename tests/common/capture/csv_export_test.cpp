@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/capture/csv_export.h"
+#include "common/capture/csv/csv_export.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "common/capture/csv_import.h"
-#include "common/capture/description.h"
+#include "common/capture/csv/csv_import.h"
+#include "common/capture/csv/description.h"
 #include "common/capture/show.h"
 #include "tests/common/capture/support.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/capture/csv_table.h"
+#include "common/capture/csv/csv_table.h"
 
 #include <gtest/gtest.h>
 

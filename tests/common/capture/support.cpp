@@ -10,8 +10,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "common/capture/capture_file.h"
-#include "common/capture/csv_import.h"
+#include "common/capture/csv/csv_import.h"
+#include "common/capture/file/capture_file.h"
 
 namespace tenter::capture::test {
 

@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "common/capture/capture_file.h"
+#include "common/capture/file/capture_file.h"
 
 namespace tenter::test {
 

@@ -8,7 +8,7 @@
 #include <functional>
 #include <iostream>
 
-#include "common/capture/capture_file.h"
+#include "common/capture/file/capture_file.h"
 #include "common/capture/validate.h"
 #include "common/h5/reader.h"
 #include "tests/common/capture/sheet/support.h"

@@ -43,7 +43,7 @@ class SceneJob : public ::testing::Test {
 
   Expected<void> run(const json& document, const std::string& name,
                      const std::stop_token& stop = {}) {
-    const JobInput input{document.dump(), {}, folder_ / name};
+    const JobInput input{document.dump(), {}, folder_ / name, {}};
     fs::create_directories(input.staging);
     return run_job(
         input, [this](const JobProgress& p) { progress_.push_back(p); }, stop);
@@ -203,7 +203,7 @@ TEST_F(SceneJob, StopsSoonAfterItIsAskedTo) {
   json scene = shipped("hanging_square");
   scene["protocol"][0]["frames"] = 3000;
   std::stop_source stop;
-  const JobInput input{spec(scene).dump(), {}, folder_ / "a"};
+  const JobInput input{spec(scene).dump(), {}, folder_ / "a", {}};
   fs::create_directories(input.staging);
   int reports = 0;
   const auto stopped = run_job(

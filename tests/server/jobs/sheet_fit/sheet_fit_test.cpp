@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-#include "common/capture/capture_file.h"
+#include "common/capture/file/capture_file.h"
 #include "common/model/document.h"
 #include "common/model/presets.h"
 #include "common/report/html_report.h"

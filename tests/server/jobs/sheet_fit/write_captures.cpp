@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "common/capture/capture_file.h"
+#include "common/capture/file/capture_file.h"
 #include "tests/server/jobs/sheet_fit/sheet_captures.h"
 
 int main(int argc, char** argv) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/capture/csv_import.h"
+#include "common/capture/csv/csv_import.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +9,11 @@
 
 #include "common/base/sha256.h"
 #include "common/base/text_file.h"
-#include "common/capture/branch_detection.h"
-#include "common/capture/csv_cells.h"
-#include "common/capture/csv_import_table.h"
-#include "common/capture/csv_table.h"
-#include "common/capture/description.h"
+#include "common/capture/csv/branch_detection.h"
+#include "common/capture/csv/csv_cells.h"
+#include "common/capture/csv/csv_import_table.h"
+#include "common/capture/csv/csv_table.h"
+#include "common/capture/csv/description.h"
 #include "common/capture/validate.h"
 #include "common/capture/vocabulary.h"
 

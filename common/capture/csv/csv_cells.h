@@ -6,7 +6,7 @@
 #include <string>
 
 #include "common/base/error.h"
-#include "common/capture/csv_table.h"
+#include "common/capture/csv/csv_table.h"
 
 namespace tenter::capture {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/capture/csv_cells.h"
+#include "common/capture/csv/csv_cells.h"
 
 #include <algorithm>
 #include <charconv>

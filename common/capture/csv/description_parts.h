@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "common/capture/description.h"
+#include "common/capture/csv/description.h"
 #include "common/capture/strict_json.h"
 
 namespace tenter::capture {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <limits>
 
-#include "common/capture/capture_file.h"
-#include "common/capture/layout.h"
+#include "common/capture/file/capture_file.h"
+#include "common/capture/file/layout.h"
 #include "common/capture/sheet/sheet_file.h"
 #include "common/capture/validate.h"
 #include "common/capture/vocabulary.h"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/capture/csv_export.h"
+#include "common/capture/csv/csv_export.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "common/base/atomic_write.h"
-#include "common/capture/csv_export_parts.h"
-#include "common/capture/csv_table.h"
+#include "common/capture/csv/csv_export_parts.h"
+#include "common/capture/csv/csv_table.h"
 #include "common/capture/vocabulary.h"
 
 namespace tenter::capture {

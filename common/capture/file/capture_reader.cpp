@@ -4,9 +4,9 @@
 #include <map>
 #include <set>
 
-#include "common/capture/capture_file.h"
-#include "common/capture/layout.h"
-#include "common/capture/layout_source.h"
+#include "common/capture/file/capture_file.h"
+#include "common/capture/file/layout.h"
+#include "common/capture/file/layout_source.h"
 #include "common/capture/sheet/sheet_file.h"
 #include "common/capture/validate.h"
 #include "common/capture/vocabulary.h"

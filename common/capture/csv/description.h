@@ -10,7 +10,7 @@
 
 #include "common/base/error.h"
 #include "common/capture/capture.h"
-#include "common/capture/csv_table.h"
+#include "common/capture/csv/csv_table.h"
 #include "common/capture/units.h"
 
 namespace tenter::capture {

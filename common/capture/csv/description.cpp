@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/capture/description.h"
+#include "common/capture/csv/description.h"
 
 #include <algorithm>
 #include <array>
 
 #include "common/base/text_file.h"
-#include "common/capture/description_parts.h"
+#include "common/capture/csv/description_parts.h"
 #include "common/capture/strict_json.h"
 #include "common/capture/vocabulary.h"
 

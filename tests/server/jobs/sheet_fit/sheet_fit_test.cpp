@@ -159,8 +159,10 @@ void expect_live(const std::vector<JobProgress>& all) {
     EXPECT_GE(p.fraction, fraction);
     fraction = p.fraction;
   }
-  for (const char* stage : {"prepare", "stretch_u", "shear", "coupled", "compare", "write"})
+  for (const char* stage : {"prepare", "shear", "coupled", "compare", "write"})
     EXPECT_TRUE(stages.contains(stage)) << stage;
+  // they run side by side, and one of them is told of
+  EXPECT_TRUE(stages.contains("stretch_u") || stages.contains("stretch_v"));
   EXPECT_TRUE(has_values);
 }
 

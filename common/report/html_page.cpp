@@ -39,7 +39,7 @@ code { font: 12.5px/1.4 ui-monospace, "DejaVu Sans Mono", monospace; color: var(
 nav { display: flex; flex-wrap: wrap; gap: 4px 18px; font-size: 13px; margin-top: 8px; }
 a { color: var(--extended); text-decoration: none; }
 a:hover { text-decoration: underline; }
-.cards { display: grid; grid-template-columns: repeat(auto-fit, minmax(190px, 1fr)); gap: 12px; margin: 14px 0 12px; }
+.cards { display: grid; grid-template-columns: repeat(auto-fit, minmax(235px, 1fr)); gap: 12px; margin: 14px 0 12px; }
 .card { background: var(--card); border: 1px solid var(--rule); border-radius: 8px; padding: 8px 14px 9px; }
 .card .name { color: var(--soft); font-size: 13px; }
 .card .value { font-size: 23px; font-weight: 600; font-variant-numeric: tabular-nums; white-space: nowrap; }
@@ -70,7 +70,7 @@ details { font-size: 13px; margin-top: 1px; }
 summary { cursor: pointer; color: var(--soft); }
 dl { display: grid; grid-template-columns: max-content auto; gap: 1px 16px; margin: 4px 0; }
 dt { color: var(--soft); } dd { margin: 0; font-variant-numeric: tabular-nums; }
-.figures { margin-top: 10px; display: grid; grid-template-columns: repeat(auto-fill, minmax(min(520px, 100%), 1fr)); gap: 14px; }
+.figures { margin-top: 10px; display: grid; grid-template-columns: repeat(auto-fill, minmax(min(460px, 100%), 1fr)); gap: 14px; }
 figure { margin: 0; background: var(--card); border: 1px solid var(--rule); border-radius: 8px; padding: 11px 12px 10px; }
 figcaption { font-size: 13.5px; font-weight: 600; display: flex; justify-content: space-between; gap: 12px; }
 figcaption .readout { font-weight: 400; color: var(--soft); font-variant-numeric: tabular-nums; white-space: nowrap; }

@@ -56,9 +56,12 @@ std::string curve_html(const Json& curve) {
   std::string note;
   const Json& reached = list(curve, "reached");
   if (reached.size() == 2 && number(reached[0]) && number(reached[1])) {
-    plot.seen = {{*number(reached[0]), *number(reached[1])}};
-    note = "Reached by the data: " + significant(number(reached[0])) + " to " +
-           significant(number(reached[1])) + "; shaded: never seen.";
+    const double lo = *number(reached[0]), hi = *number(reached[1]);
+    const auto rounded = [&](double end) {  // zero but for the last digits is zero
+      return significant(std::abs(end) < 1e-9 * (hi - lo) ? 0.0 : end);
+    };
+    plot.seen = {{lo, hi}};
+    note = "Reached by the data: " + rounded(lo) + " to " + rounded(hi) + "; shaded: never seen.";
   }
   if (const std::optional<double> count = number(curve, "control_points"))
     note += std::string(note.empty() ? "" : " ") + significant(count) +

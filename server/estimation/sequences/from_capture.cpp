@@ -276,7 +276,7 @@ class Making {
     for (std::size_t i = 0; i < out_.frame.size(); ++i) {
       const std::size_t f = out_.frame[i];
       SequenceFrame frame;
-      HeldNodes held = held_nodes(sheet_, f, mesh(), is_clamped_);
+      HeldNodes held = held_nodes(sheet_, f, mesh(), is_clamped_, options_.clamps_at_edge);
       frame.boundary = boundary_of(held.nodes);
       frame.held_m = std::move(held.place_m);
       for (std::size_t c = 0; c < clips_.size(); ++c) {

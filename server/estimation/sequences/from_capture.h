@@ -59,6 +59,11 @@ struct FromCaptureOptions {
   };
   std::vector<Force> forces = {};
   bool start_from_measured = true;
+  /// Also the other nodes of the triangles that a support's edge cuts are held, so that the sheet
+  /// is clamped at the edge, half an element more or less: the hinges at the last held line bend
+  /// and stand for half an element on either side of it. Without, a strip hangs as if it were half
+  /// an element to one and a half longer. False for data that a mesh itself has made.
+  bool clamps_at_edge = false;
 };
 
 /// What became of the capture: nothing is left out silently.

@@ -15,6 +15,7 @@
 #include "server/estimation/fit.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
 #include "server/mechanics/law.h"
+#include "tests/bench/fabrics/frame_errors.h"
 #include "tests/twin/fabrics/sequences/coverage.h"
 #include "tests/twin/fabrics/sequences/cross_twin.h"
 #include "tests/twin/fabrics/sequences/fabric_model.h"
@@ -114,40 +115,37 @@ void print_curves(const twin::Fabric& cloth, const model::Model& fitted) {
               100.0 * (twist / cloth.curve(twin::Mode::bend_twist).stiffness(0.0) - 1.0));
 }
 
-/// Frames one by one, so that one without rest costs no other.
-void print_prediction(const Sequence& sequence, const model::Model& model) {
-  double position = 0.0, force = 0.0, largest_N = 0.0;
-  int positions = 0, forces = 0, lost = 0;
-  for (const auto& frame : sequence.frames) {
-    Sequence one = sequence;
-    one.frames = {frame};
-    one.start = *frame.start;
-    auto evaluator = SequenceEvaluator::make(model, {one}).value();
-    Eigen::VectorXd residuals;
-    Eigen::VectorXd parameters = mechanics::term_parameters(model);
-    if (evaluator.evaluate(parameters, residuals, nullptr) != mechanics::PathStatus::ok) {
-      ++lost;
-      continue;
-    }
-    for (int r = 0; r < evaluator.row_count(); ++r) {
-      const bool is_force = evaluator.rows()[static_cast<std::size_t>(r)].channel >=
-                            3 * static_cast<int>(one.points.size());
-      (is_force ? force : position) += residuals[r] * residuals[r];
-      ++(is_force ? forces : positions);
-    }
-    if (frame.forces_N.size() > 0)
-      largest_N = std::max(largest_N, frame.forces_N.cwiseAbs().maxCoeff());
+/// Frames whose distances of points say nothing, with the measures that do (thesis 3.6).
+void print_folds(const std::vector<twin::FrameError>& frames) {
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    if (frames[f].means_something()) continue;
+    const auto& [measured, simulated, likeness, positions] = frames[f].folds;
+    std::printf(
+        "    frame %2zu: %s; measured %.2f mm high, %.1f mm long, %.0f degrees,"
+        " simulated %.2f, %.1f, %.0f; likeness %.2f\n",
+        f + 1, std::string(estimation::words_of(positions)).c_str(), 1e3 * measured.height_m,
+        1e3 * measured.wavelength_m, measured.direction_rad * 180.0 / M_PI,
+        1e3 * simulated.height_m, 1e3 * simulated.wavelength_m,
+        simulated.direction_rad * 180.0 / M_PI, likeness);
   }
-  const double p = std::sqrt(position / std::max(positions, 1));
-  const double f = std::sqrt(force / std::max(forces, 1));
-  std::printf("  %-14s position %8.3f mm = %7.1f noise", sequence.name.c_str(),
-              1e3 * p * sequence.points.front().sigma_m, p);
-  if (forces > 0)
-    std::printf("   force %8.4f N = %7.1f noise, %.2f %% of the largest",
-                f * sequence.forces.front().sigma_N, f,
-                100.0 * f * sequence.forces.front().sigma_N / largest_N);
-  if (lost > 0) std::printf("   %d frames without rest", lost);
+}
+
+/// Of the fitted curves, then of the true ones: what the grid alone costs.
+void print_prediction(const Sequence& sequence, const model::Model& fitted,
+                      const model::Model& truth) {
+  const auto frames = twin::frame_errors(sequence, fitted);
+  const twin::MeanErrors of_fit = mean_errors(frames),
+                         of_truth = mean_errors(twin::frame_errors(sequence, truth));
+  std::printf("  %-14s position %7.2f noise, true curves %7.2f", sequence.name.c_str(),
+              of_fit.position, of_truth.position);
+  if (!sequence.forces.empty())
+    std::printf("   force %7.2f, true curves %7.2f", of_fit.force, of_truth.force);
+  if (of_fit.meaningless > 0)
+    std::printf("   without %d folded frames position %.2f", of_fit.meaningless,
+                of_fit.position_where_meaningful);
+  if (of_fit.lost > 0) std::printf("   %d frames without rest", of_fit.lost);
   std::printf("\n");
+  print_folds(frames);
   std::fflush(stdout);
 }
 
@@ -203,9 +201,10 @@ int main(int count, char** arguments) {
   store(fitted, model);
   std::printf("curves, in parts of the stress at the end of what the data reach\n");
   print_curves(cloth, model);
+  const model::Model truth = twin::fabric_model(cloth);
   std::printf("residuals of the sequences fitted to\n");
-  for (const Sequence& sequence : training) print_prediction(sequence, model);
+  for (const Sequence& sequence : training) print_prediction(sequence, model, truth);
   std::printf("of those left out; the goal is 2 noise\n");
-  for (const Sequence& sequence : left_out) print_prediction(sequence, model);
+  for (const Sequence& sequence : left_out) print_prediction(sequence, model, truth);
   return 0;
 }

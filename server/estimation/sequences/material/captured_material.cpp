@@ -213,20 +213,37 @@ std::vector<bool> vertices_in_clips(const Sheet& sheet, const mechanics::Surface
 }
 
 HeldNodes held_nodes(const Sheet& sheet, std::size_t frame, const mechanics::SurfaceMesh& mesh,
-                     const std::vector<bool>& is_clamped) {
+                     const std::vector<bool>& is_clamped, bool clamps_at_edge) {
   HeldNodes held;
   const double close_m = close_to(mesh);
+  const auto nodes = static_cast<std::size_t>(mesh.node_count());
+  std::vector<const capture::SupportTrack*> bearer(nodes, nullptr);  // the first one that bears it
+  std::vector<double> beyond(nodes);                                 // the edge, on its side
+  for (const capture::SupportTrack& support : sheet.supports) {
+    const double sign = support.bears_above ? 1.0 : -1.0;
+    for (std::size_t n = 0; n < nodes; ++n) {
+      const double at = mesh.material_m(support.along == 'u' ? 0 : 1, static_cast<int>(n));
+      beyond[n] = sign * (at - support.edge_m[frame]);
+    }
+    const auto hold = [&](std::size_t n) {
+      if (!bearer[n]) bearer[n] = &support;
+    };
+    for (std::size_t n = 0; n < nodes; ++n)
+      if (beyond[n] >= -close_m) hold(n);
+    if (!clamps_at_edge) continue;
+    for (const auto& triangle : mesh.triangles) {
+      const auto on = [&](int n) { return beyond[static_cast<std::size_t>(n)] > close_m; };
+      if (std::any_of(triangle.begin(), triangle.end(), on))
+        for (const int n : triangle) hold(static_cast<std::size_t>(n));
+    }
+  }
   std::vector<Eigen::Vector3d> places;
   for (int node = 0; node < mesh.node_count(); ++node) {
-    if (is_clamped[static_cast<std::size_t>(node)]) continue;
-    const Eigen::Vector2d place = mesh.material_m.col(node);
-    for (const capture::SupportTrack& support : sheet.supports) {
-      const double beyond = place[support.along == 'u' ? 0 : 1] - support.edge_m[frame];
-      if ((support.bears_above ? beyond : -beyond) < -close_m) continue;
-      held.nodes.push_back(node);
-      places.push_back(pose_of(support.pose[frame]).to_space({place.x(), place.y(), 0.0}));
-      break;
-    }
+    const auto n = static_cast<std::size_t>(node);
+    if (is_clamped[n] || !bearer[n]) continue;
+    held.nodes.push_back(node);
+    places.push_back(pose_of(bearer[n]->pose[frame])
+                         .to_space({mesh.material_m(0, node), mesh.material_m(1, node), 0.0}));
   }
   held.place_m.resize(3, static_cast<Eigen::Index>(places.size()));
   for (std::size_t k = 0; k < places.size(); ++k)

@@ -32,13 +32,15 @@ Expected<std::vector<std::vector<int>>> clamped_nodes(const capture::Sheet& shee
 std::vector<bool> vertices_in_clips(const capture::Sheet& sheet,
                                     const mechanics::SurfaceMesh& mesh);
 
-/// Nodes that lie on a support in a frame, and where it puts them.
+/// Nodes that lie on a support in a frame, and where it puts them; with `clamps_at_edge` also the
+/// other nodes of the triangles that its edge cuts.
 struct HeldNodes {
   std::vector<int> nodes;
   Eigen::Matrix3Xd place_m;
 };
 HeldNodes held_nodes(const capture::Sheet& sheet, std::size_t frame,
-                     const mechanics::SurfaceMesh& mesh, const std::vector<bool>& is_clamped);
+                     const mechanics::SurfaceMesh& mesh, const std::vector<bool>& is_clamped,
+                     bool clamps_at_edge);
 
 /// `count` of the candidates, spread evenly over the material: each one the farthest from those
 /// before it, beginning at the middle. In rising order.

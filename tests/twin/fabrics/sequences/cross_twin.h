@@ -12,6 +12,8 @@
 // Error: no rest in a frame. One thread.
 #pragma once
 
+#include <vector>
+
 #include "tests/twin/fabrics/sequences/sequence_of.h"
 #include "tests/twin/fabrics/sheet/sheet_twin.h"
 
@@ -31,5 +33,9 @@ struct CrossTwin {
 
 Expected<CrossTwin> cross_twin(const Fabric& fabric, const Protocol& protocol,
                                CrossOptions options = {});
+
+/// One run of the sheet for several grids, `nodes` a side each: the same measured values.
+Expected<std::vector<CrossTwin>> cross_twins(const Fabric& fabric, const Protocol& protocol,
+                                             CrossOptions options, const std::vector<int>& nodes);
 
 }  // namespace tenter::twin

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tenter-bench-discretisation [fabric] [cells] [frames] [finest] [sequence...]: what a grid alone
+// costs. The generator's own curves are put on grids of 1, 2, 3 ... `finest` times `cells`, without
+// noise or friction, and compared with the smooth sheet: no fit reaches below that at its true
+// curves. The rig stays the same: `cells` sets how deep clips grip.
+//
+// Per grid: root mean square distance in units of the noise (0.075 mm, 3 mN a cord), and of what
+// the three finest grids say, the observed order and where h = 0 is (Richardson, 1911):
+//
+//   p: |e_1 - e_2| / |e_2 - e_3| = (h_1^p - h_2^p) / (h_2^p - h_3^p)
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "tests/bench/fabrics/frame_errors.h"
+#include "tests/twin/fabrics/sequences/cross_twin.h"
+#include "tests/twin/fabrics/sequences/fabric_model.h"
+
+namespace {
+
+using namespace tenter;
+using twin::FrameError;
+using Frames = std::vector<FrameError>;
+
+/// A grid's rows of the frames that rest on all grids.
+Eigen::VectorXd rows_of(const std::vector<Frames>& grids, std::size_t grid, bool of_forces) {
+  std::vector<double> rows;
+  for (std::size_t f = 0; f < grids[grid].size(); ++f) {
+    if (!std::all_of(grids.begin(), grids.end(), [&](const Frames& g) { return g[f].rests; }))
+      continue;
+    const Eigen::VectorXd& of = of_forces ? grids[grid][f].forces : grids[grid][f].positions;
+    rows.insert(rows.end(), of.begin(), of.end());
+  }
+  return Eigen::Map<const Eigen::VectorXd>(rows.data(), static_cast<Eigen::Index>(rows.size()));
+}
+
+double rms(const Eigen::VectorXd& rows) {
+  return rows.size() > 0 ? std::sqrt(rows.squaredNorm() / static_cast<double>(rows.size())) : 0.0;
+}
+
+/// The order by bisection; 0 where differences do not shrink as a power would have them.
+double observed_order(const Eigen::VectorXd& e1, const Eigen::VectorXd& e2,
+                      const Eigen::VectorXd& e3, double n1, double n2, double n3) {
+  const double ratio = (e1 - e2).norm() / (e2 - e3).norm();
+  const auto model = [&](double p) {
+    return (std::pow(n1, -p) - std::pow(n2, -p)) / (std::pow(n2, -p) - std::pow(n3, -p));
+  };
+  double lo = 0.05, hi = 8.0;
+  if (!(ratio > model(lo)) || !(ratio < model(hi))) return 0.0;
+  for (int k = 0; k < 60; ++k) (model(0.5 * (lo + hi)) < ratio ? lo : hi) = 0.5 * (lo + hi);
+  return 0.5 * (lo + hi);
+}
+
+void print_limit(const char* what, const std::vector<Frames>& grids,
+                 const std::vector<int>& factors, bool of_forces) {
+  if (grids.size() < 3) return;
+  const std::size_t k = grids.size() - 1;
+  const auto e = [&](std::size_t back) { return rows_of(grids, k - back, of_forces); };
+  const auto n = [&](std::size_t back) { return static_cast<double>(factors[k - back]); };
+  if (e(0).size() == 0) return;
+  const double p = observed_order(e(2), e(1), e(0), n(2), n(1), n(0));
+  std::printf("    %-9s", what);
+  if (p == 0.0) {
+    std::printf(" no order: the grids' differences do not shrink yet\n");
+    return;
+  }
+  const double grows = std::pow(n(0) / n(1), p) - 1.0;
+  const Eigen::VectorXd limit = e(0) + (e(0) - e(1)) / grows;
+  std::printf(" order %4.1f, at h = 0 %7.2f noise\n", p, rms(limit));
+}
+
+void print_sequence(const twin::Fabric& cloth, const std::string& name, int cells, int frames,
+                    int finest) {
+  // the table's edge is half way between two lines of `cells`: only of odd multiples as well
+  const bool is_bend = name.starts_with("bend");
+  std::vector<int> factors, nodes;
+  for (int factor = 1; factor <= finest; factor += is_bend ? 2 : 1) {
+    factors.push_back(factor);
+    nodes.push_back(factor * cells + 1);
+  }
+  const model::Model truth = twin::fabric_model(cloth);
+  for (const bool beyond_edge : {true, false}) {
+    if (!is_bend && !beyond_edge) continue;
+    twin::CrossOptions options;
+    options.places = 900;
+    options.grid.holds_line_beyond_edge = beyond_edge;
+    const auto made = twin::cross_twins(
+        cloth, twin::make_protocol(cloth, name, {.frames = frames, .cells = cells}), options,
+        nodes);
+    if (!made) {
+      std::printf("%s: %s\n", name.c_str(), made.error().message.c_str());
+      return;
+    }
+    std::printf("%s%s\n", name.c_str(),
+                !is_bend      ? ""
+                : beyond_edge ? ", one line beyond the table's edge held"
+                              : ", nodes on the table held");
+    std::vector<Frames> grids;
+    for (std::size_t g = 0; g < nodes.size(); ++g) {
+      grids.push_back(twin::frame_errors((*made)[g].sequence, truth));
+      const twin::MeanErrors errors = mean_errors(grids.back());
+      std::printf("    %3d x %-3d position %8.2f", nodes[g], nodes[g], errors.position);
+      if (!(*made)[g].sequence.forces.empty()) std::printf("   force %8.2f", errors.force);
+      if (errors.meaningless > 0)
+        std::printf("   in %d of %d frames distances of points say nothing; in the others %.2f",
+                    errors.meaningless, frames, errors.position_where_meaningful);
+      if (errors.lost > 0) std::printf("   %d frames without rest", errors.lost);
+      std::printf("\n");
+      std::fflush(stdout);
+    }
+    print_limit("position", grids, factors, false);
+    print_limit("force", grids, factors, true);
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const std::string id = count > 1 ? arguments[1] : "18";
+  const int cells = count > 2 ? std::atoi(arguments[2]) : 12;
+  const int frames = count > 3 ? std::atoi(arguments[3]) : 6;
+  const int finest = count > 4 ? std::atoi(arguments[4]) : 3;
+  const twin::Fabric cloth = twin::without_friction(twin::fabric(id));
+  std::printf("#%s %s: true curves on grids, beside the smooth sheet, in units of the noise\n",
+              id.c_str(), cloth.name.c_str());
+  std::vector<std::string> names(arguments + std::min(count, 5), arguments + count);
+  if (names.empty()) names = twin::protocol_names();
+  for (const std::string& name : names) print_sequence(cloth, name, cells, frames, finest);
+  return 0;
+}

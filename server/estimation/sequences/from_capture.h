@@ -10,7 +10,7 @@
 // Mesh. A grid over the specimen's rectangle of material (inside of an outline that is none, an
 // irregular mesh of as many nodes), or the capture's own mesh. Clips clamp
 // the nodes inside their region; where the capture names vertices, the nodes between those. A
-// support holds the nodes beyond its edge, frame by frame. Clamped and held nodes lie where the
+// support holds the nodes beyond its edge and the line of nodes before it, frame by frame. Clamped and held nodes lie where the
 // poses put them, flat and as at rest.
 //
 // Forces. The cords of a prescribed clip measure its force in the directions that they span: one
@@ -60,10 +60,11 @@ struct FromCaptureOptions {
   std::vector<Force> forces = {};
   bool start_from_measured = true;
   /// Also the other nodes of the triangles that a support's edge cuts are held, so that the sheet
-  /// is clamped at the edge, half an element more or less: the hinges at the last held line bend
-  /// and stand for half an element on either side of it. Without, a strip hangs as if it were half
-  /// an element to one and a half longer. False for data that a mesh itself has made.
-  bool clamps_at_edge = false;
+  /// is clamped at the edge to half an element: the hinges at the last held line bend and stand for
+  /// half an element on either side of it. Without, a strip hangs as if it were half an element to
+  /// one and a half longer: ten times as far off as the grid alone is (tests/bench/fabrics). False
+  /// for what a mesh that held the nodes on the support has made.
+  bool clamps_at_edge = true;
 };
 
 /// What became of the capture: nothing is left out silently.

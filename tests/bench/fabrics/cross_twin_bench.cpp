@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tenter-bench-cross-twin [fabric] [nodes] [frames] [friction 0|1]: the five sequences of a twin
-// from the smooth sheet, which shares nothing with the fit, are fitted on a grid; then how far the
-// curves are off, and how well the two sequences that were left out are predicted, beside the
+// tenter-bench-cross-twin [fabric] [nodes] [frames] [friction 0|1] [cells]: the five sequences of a
+// twin from the smooth sheet, which shares nothing with the fit, are fitted on a grid; then how far
+// the curves are off, and how well the two sequences that were left out are predicted, beside the
 // noise.
 #include <algorithm>
 #include <chrono>
@@ -13,6 +13,7 @@
 
 #include "common/model/catalogue.h"
 #include "server/estimation/fit.h"
+#include "server/estimation/sequences/discretisation/grid_error.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
 #include "server/mechanics/law.h"
 #include "tests/bench/fabrics/frame_errors.h"
@@ -132,12 +133,12 @@ void print_folds(const std::vector<twin::FrameError>& frames) {
 
 /// Of the fitted curves, then of the true ones: what the grid alone costs.
 void print_prediction(const Sequence& sequence, const model::Model& fitted,
-                      const model::Model& truth) {
+                      const Sequence& for_truth, const model::Model& truth) {
   const auto frames = twin::frame_errors(sequence, fitted);
   const twin::MeanErrors of_fit = mean_errors(frames),
-                         of_truth = mean_errors(twin::frame_errors(sequence, truth));
-  std::printf("  %-14s position %7.2f noise, true curves %7.2f", sequence.name.c_str(),
-              of_fit.position, of_truth.position);
+                         of_truth = mean_errors(twin::frame_errors(for_truth, truth));
+  std::printf("  %-14s position %7.2f, true curves %7.2f", sequence.name.c_str(), of_fit.position,
+              of_truth.position);
   if (!sequence.forces.empty())
     std::printf("   force %7.2f, true curves %7.2f", of_fit.force, of_truth.force);
   if (of_fit.meaningless > 0)
@@ -149,6 +150,66 @@ void print_prediction(const Sequence& sequence, const model::Model& fitted,
   std::fflush(stdout);
 }
 
+/// A sequence on the grid and on one of half its spacing, with the same measured values.
+struct TwoGrids {
+  Sequence coarse, fine;
+};
+constexpr std::size_t kTraining = 5;
+constexpr double kShareAsSigma = 0.15;
+
+Expected<std::vector<TwoGrids>> make_twins(const twin::Fabric& cloth, int nodes, int cells,
+                                           int frames) {
+  std::vector<TwoGrids> twins;
+  twin::Random random(twin::stream_seed(1, "rig"));
+  for (const std::string& name : twin::protocol_names()) {
+    const double begin = seconds();
+    twin::CrossOptions options;
+    options.grid.holds_line_beyond_edge = true;
+    auto made = twin::cross_twins(
+        cloth, twin::make_protocol(cloth, name, {.frames = frames, .cells = cells}), options,
+        {nodes, 2 * nodes - 1});
+    if (!made) return tl::unexpected(made.error());
+    std::printf("  %-14s made in %5.1f s: %d unknowns, %d steps of Newton's method\n", name.c_str(),
+                seconds() - begin, made->front().unknowns, made->front().iterations);
+    std::fflush(stdout);
+    TwoGrids& twin =
+        twins.emplace_back(std::move((*made)[0].sequence), std::move((*made)[1].sequence));
+    twin::add_rig_noise({}, random, twin.coarse);
+    for (std::size_t f = 0; f < twin.coarse.frames.size(); ++f) {
+      twin.fine.frames[f].points_m = twin.coarse.frames[f].points_m;
+      twin.fine.frames[f].forces_N = twin.coarse.frames[f].forces_N;
+    }
+  }
+  return twins;
+}
+
+Sequence corrected(const TwoGrids& twin, const model::Model& model, double share_as_sigma) {
+  const auto error =
+      estimation::grid_error(model, twin.coarse, twin.fine, {.share_as_sigma = share_as_sigma});
+  return without_grid_error(twin.coarse, error.value());
+}
+
+/// Begins where `model` is, and stores what it finds there.
+bool fit_to(const std::vector<Sequence>& sequences, model::Model& model) {
+  estimation::SequenceOptions how;
+  how.threads = 2;
+  auto evaluator = SequenceEvaluator::make(model, sequences, how);
+  if (!evaluator) {
+    std::printf("  %s\n", evaluator.error().message.c_str());
+    return false;
+  }
+  const double begin = seconds();
+  const estimation::FitResult fitted = fit(*evaluator, model, {});
+  std::printf(" fit: %s %s, %d iterations, %.1f s\n", fitted.usable ? "usable," : "not usable,",
+              fitted.message.c_str(), fitted.iterations, seconds() - begin);
+  if (!fitted.usable) {
+    std::printf("  %s\n", evaluator->failure().c_str());
+    return false;
+  }
+  store(fitted, model);
+  return true;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -156,55 +217,43 @@ int main(int count, char** arguments) {
   const int nodes = count > 2 ? std::atoi(arguments[2]) : 25;
   const int frames = count > 3 ? std::atoi(arguments[3]) : 20;
   const bool has_friction = count > 4 && std::atoi(arguments[4]) != 0;
+  const int cells = count > 5 ? std::atoi(arguments[5]) : nodes - 1;
   const twin::Fabric cloth =
       has_friction ? twin::fabric(id) : twin::without_friction(twin::fabric(id));
-  const int cells = nodes - 1;
-  std::printf("#%s %s, %d x %d nodes, %d frames a sequence, %s friction\n", id.c_str(),
-              cloth.name.c_str(), nodes, nodes, frames, has_friction ? "with" : "without");
-  std::vector<Sequence> training, left_out;
-  twin::Random random(twin::stream_seed(1, "rig"));
-  for (const std::string& name : twin::protocol_names()) {
-    const double begin = seconds();
-    twin::CrossOptions options;
-    options.grid.nodes = nodes;
-    options.grid.holds_line_beyond_edge = true;
-    auto made = twin::cross_twin(
-        cloth, twin::make_protocol(cloth, name, {.frames = frames, .cells = cells}), options);
-    if (!made) {
-      std::printf("  %s\n", made.error().message.c_str());
-      return 1;
-    }
-    std::printf("  %-14s made in %5.1f s: %d unknowns, %d steps of Newton's method\n", name.c_str(),
-                seconds() - begin, made->unknowns, made->iterations);
-    std::fflush(stdout);
-    twin::add_rig_noise({}, random, made->sequence);
-    (training.size() < 5 ? training : left_out).push_back(made->sequence);
-  }
-  model::Model model = fitted_form(cloth);
-  estimation::SequenceOptions how;
-  how.threads = 2;
-  std::vector<Sequence> fitted_to;
-  for (const Sequence& sequence : training) fitted_to.push_back(as_fitted(sequence));
-  auto evaluator = SequenceEvaluator::make(model, fitted_to, how);
-  if (!evaluator) {
-    std::printf("  %s\n", evaluator.error().message.c_str());
+  std::printf(
+      "#%s %s, %d x %d nodes, clips a %dth of the side deep, %d frames a sequence, %s"
+      " friction\n",
+      id.c_str(), cloth.name.c_str(), nodes, nodes, cells, frames,
+      has_friction ? "with" : "without");
+  const auto twins = make_twins(cloth, nodes, cells, frames);
+  if (!twins) {
+    std::printf("  %s\n", twins.error().message.c_str());
     return 1;
   }
-  const double begin = seconds();
-  const estimation::FitResult fitted = fit(*evaluator, model, {});
-  std::printf("fit: %s %s, %d iterations, %.1f s\n", fitted.usable ? "usable," : "not usable,",
-              fitted.message.c_str(), fitted.iterations, seconds() - begin);
-  if (!fitted.usable) {
-    std::printf("  %s\n", evaluator->failure().c_str());
-    return 1;
-  }
-  store(fitted, model);
-  std::printf("curves, in parts of the stress at the end of what the data reach\n");
-  print_curves(cloth, model);
   const model::Model truth = twin::fabric_model(cloth);
-  std::printf("residuals of the sequences fitted to\n");
-  for (const Sequence& sequence : training) print_prediction(sequence, model, truth);
-  std::printf("of those left out; the goal is 2 noise\n");
-  for (const Sequence& sequence : left_out) print_prediction(sequence, model, truth);
+  model::Model model = fitted_form(cloth);
+  for (const bool less_grid_error : {false, true}) {
+    std::printf("%s\n", less_grid_error
+                            ? "again without the grid's error, estimated at these curves"
+                            : "fitted on the grid as it is");
+    std::vector<Sequence> fitted_to;
+    for (std::size_t s = 0; s < kTraining; ++s) {
+      Sequence sequence = (*twins)[s].coarse;
+      if (less_grid_error) sequence = corrected((*twins)[s], model, kShareAsSigma);
+      fitted_to.push_back(as_fitted(sequence));
+    }
+    if (!fit_to(fitted_to, model)) return 1;
+    std::printf(" curves, in parts of the stress at the end of what the data reach\n");
+    print_curves(cloth, model);
+    std::printf(" residuals in units of the noise, of the sequences fitted to\n");
+    for (std::size_t s = 0; s < twins->size(); ++s) {
+      if (s == kTraining) std::printf(" of those left out; the goal is 2\n");
+      const TwoGrids& twin = (*twins)[s];
+      if (less_grid_error)
+        print_prediction(corrected(twin, model, 0.0), model, corrected(twin, truth, 0.0), truth);
+      else
+        print_prediction(twin.coarse, model, twin.coarse, truth);
+    }
+  }
   return 0;
 }

@@ -309,12 +309,25 @@ TEST(FromCapture, ATablesEdgeHoldsOtherNodesInEveryFrame) {
   ASSERT_TRUE(captured) << captured.error().message;
   const Sequence& sequence = captured->sequence;
   ASSERT_EQ(sequence.boundaries.size(), 3U);
-  EXPECT_EQ(sequence.boundaries[0].held.size(), 7U * kSide);
-  EXPECT_EQ(sequence.boundaries[2].held.size(), 5U * kSide);
+  // seven, six and five lines lie on the table; the edge cuts the triangles before the next one
+  EXPECT_EQ(sequence.boundaries[0].held.size(), 8U * kSide);
+  EXPECT_EQ(sequence.boundaries[2].held.size(), 6U * kSide);
   EXPECT_NEAR(sequence.frames[2].held_m(0, 0), 0.02, 1e-12);
   EXPECT_EQ(captured->use.points, kSide * kSide);
-  EXPECT_EQ(captured->use.held, 3 * kSide * (7 + 6 + 5));
+  EXPECT_EQ(captured->use.held, 3 * kSide * (8 + 7 + 6));
   EXPECT_LT(residuals_at_truth(*captured).cwiseAbs().maxCoeff(), 1e-3);
+
+  FromCaptureOptions only_on_table = same_grid();
+  only_on_table.clamps_at_edge = false;
+  const auto longer = sequence_from_capture(capture, only_on_table);
+  ASSERT_TRUE(longer) << longer.error().message;
+  EXPECT_EQ(longer->sequence.boundaries[0].held.size(), 7U * kSide);
+  EXPECT_GT(residuals_at_truth(*longer).cwiseAbs().maxCoeff(), 1.0);
+  // an edge along a line of nodes cuts no triangle
+  capture.sheet->supports[0].edge_m[0] = 0.075;
+  const auto on_line = sequence_from_capture(capture, same_grid());
+  ASSERT_TRUE(on_line) << on_line.error().message;
+  EXPECT_EQ(on_line->sequence.boundaries[0].held.size(), 7U * kSide);
 }
 
 TEST(FromCapture, ManyVerticesAreComparedWithACoarseMesh) {

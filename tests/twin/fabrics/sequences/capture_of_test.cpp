@@ -24,7 +24,7 @@ void expect_the_same_again(const std::string& protocol_name) {
   SCOPED_TRACE(protocol_name);
   const Fabric wool = fabric("18");
   const Protocol protocol = make_protocol(wool, protocol_name, {.frames = 6, .cells = 6});
-  auto twin = same_mesh_twin(wool, protocol, {.nodes = 7});
+  auto twin = same_mesh_twin(wool, protocol, {.nodes = 7, .holds_line_beyond_edge = true});
   ASSERT_TRUE(twin) << twin.error().message;
   const estimation::Sequence& before = twin->sequence;
   const capture::Capture capture = capture_of(wool, protocol, before);

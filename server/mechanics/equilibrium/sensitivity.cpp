@@ -31,6 +31,8 @@ class Compliance {
     return Compliance(solver, state, std::move(limits));
   }
 
+  /// Entries of MeshModel::limited() that are at their limit.
+  const std::vector<int>& active_entries() const { return limits_.entry; }
   /// dpsi/dp of the elements at their limit.
   const Eigen::MatrixXd& limits_by_parameter() const { return limits_.by_parameter; }
   /// Their normals over all nodes.
@@ -139,6 +141,24 @@ Expected<Sensitivity> sensitivity_by_parameter(EquilibriumSolver& solver,
   if (!gradient_by_parameter(solver, parameters, state, partial))
     return fail(ErrorKind::refused, "a derivative by a parameter is not finite");
   return answer(solver, *compliance, partial, -compliance->limits_by_parameter());
+}
+
+/// G at fixed x is left as it is: what the multipliers do to it is among the unknowns.
+Expected<Sensitivity> sensitivity_by_energy_max(EquilibriumSolver& solver,
+                                                const Eigen::VectorXd& parameters,
+                                                const State& state, const std::string& limit) {
+  auto compliance = Compliance::at(solver, parameters, state);
+  if (!compliance) return tl::unexpected(compliance.error());
+  const std::vector<int>& entries = compliance->active_entries();
+  Eigen::MatrixXd change = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(entries.size()), 1);
+  for (const LimitedElements& limited : solver.model().limited()) {
+    if (limited.limit != limit) continue;
+    const int end = limited.first + static_cast<int>(limited.element.size());
+    for (std::size_t k = 0; k < entries.size(); ++k)
+      if (entries[k] >= limited.first && entries[k] < end)
+        change(static_cast<Eigen::Index>(k), 0) = 1.0;
+  }
+  return answer(solver, *compliance, Eigen::MatrixXd::Zero(state.x.size(), 1), change);
 }
 
 Expected<Sensitivity> sensitivity_by_displacement(EquilibriumSolver& solver,

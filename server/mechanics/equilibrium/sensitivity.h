@@ -18,6 +18,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 
 #include "common/base/error.h"
 #include "server/mechanics/equilibrium/equilibrium.h"
@@ -33,6 +34,12 @@ struct Sensitivity {
 Expected<Sensitivity> sensitivity_by_parameter(EquilibriumSolver& solver,
                                                const Eigen::VectorXd& parameters,
                                                const State& state);
+
+/// By psi_max of an energy limit, one column: the density of its elements at the limit moves with
+/// psi_max. Zero where none is there, or the model has no limit of this id.
+Expected<Sensitivity> sensitivity_by_energy_max(EquilibriumSolver& solver,
+                                                const Eigen::VectorXd& parameters,
+                                                const State& state, const std::string& limit);
 
 /// By displacements of what is held: each column moves nodes that are held or in prescribed clips
 /// (m, 3 numbers a node; zero at all others).

@@ -73,6 +73,9 @@ Expected<FoldComparison> compare_folds(const SheetPoints& measured, const SheetP
   // a fold too low to be seen under the noise is none
   if (!result.measured.is_folded && result.simulated.height_m < sigma_m)
     result.simulated.is_folded = false;
+  // nor do folds lower than it, in both, move a point farther than it does
+  if (std::max(result.measured.height_m, result.simulated.height_m) < sigma_m)
+    result.measured.is_folded = result.simulated.is_folded = false;
   const Eigen::VectorXd &a = result.measured.relief_m, &b = result.simulated.relief_m;
   const double sizes = a.norm() * b.norm();
   if ((result.measured.is_folded || result.simulated.is_folded) && sizes > 0.0)

@@ -26,7 +26,7 @@
 namespace tenter::estimation {
 
 enum class PositionMeaning {
-  no_folds,           ///< compare point by point
+  no_folds,           ///< or lower than the noise: compare point by point
   folds_in_place,     ///< folded alike: compare point by point
   folds_elsewhere,    ///< folds of the same kind at other places: distances say nothing
   other_folds,        ///< other wavelength or direction: distances say nothing, the measures do

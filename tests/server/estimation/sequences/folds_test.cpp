@@ -122,6 +122,12 @@ TEST(FoldComparison, SaysWhereDistancesMeanSomething) {
   const Wrinkles flat{.height_m = 0.0};
   EXPECT_EQ(compare_folds(sheet(flat, kSigma_m), sheet(flat, 0.0), kSigma_m)->positions,
             PositionMeaning::no_folds);
+  // lower than the noise they do not part points, wherever they are
+  const Wrinkles low{.height_m = 0.8 * kSigma_m},
+      turned{.height_m = 0.8 * kSigma_m, .phase_rad = kPi};
+  EXPECT_TRUE(measure_folds(sheet(low, kSigma_m), kSigma_m)->is_folded);
+  EXPECT_EQ(compare_folds(sheet(low, kSigma_m), sheet(turned, 0.0), kSigma_m)->positions,
+            PositionMeaning::no_folds);
   EXPECT_TRUE(is_meaningful(PositionMeaning::folds_in_place));
   EXPECT_FALSE(is_meaningful(PositionMeaning::folds_elsewhere));
 }

@@ -159,8 +159,8 @@ void print_prediction(const Sequence& sequence, const model::Model& fitted,
 }
 
 /// A sequence on the grid and on one of half its spacing, with the same measured values. Of bending
-/// a third, which leaves the table's edge half way between two lines; and its positions, which
-/// converge by the second order where sheets do not buckle.
+/// a third, which leaves the table's edge half way between two lines; it converges by the second
+/// order.
 struct TwoGrids {
   Sequence coarse, fine;
 };
@@ -195,10 +195,8 @@ Expected<std::vector<TwoGrids>> make_twins(const twin::Fabric& cloth, int nodes,
 Sequence corrected(const TwoGrids& twin, const model::Model& model, double share_as_sigma) {
   estimation::GridErrorOptions options;
   options.share_as_sigma = share_as_sigma;
-  if (is_bend(twin.coarse.name)) {
-    options.of_positions = true;
-    options.order = 2.0;
-  }
+  options.of_positions = true;
+  if (is_bend(twin.coarse.name)) options.order = 2.0;
   return without_grid_error(twin.coarse,
                             estimation::grid_error(model, twin.coarse, twin.fine, options).value());
 }

@@ -26,14 +26,20 @@ using namespace tenter;
 using twin::FrameError;
 using Frames = std::vector<FrameError>;
 
+/// Along the clips: of shear, what is fitted to (thesis 3.4.1).
+enum class Kind { position, force, force_along_clips };
+
 /// A grid's rows of the frames that rest on all grids.
-Eigen::VectorXd rows_of(const std::vector<Frames>& grids, std::size_t grid, bool of_forces) {
+Eigen::VectorXd rows_of(const std::vector<Frames>& grids, std::size_t grid, Kind kind) {
   std::vector<double> rows;
   for (std::size_t f = 0; f < grids[grid].size(); ++f) {
     if (!std::all_of(grids.begin(), grids.end(), [&](const Frames& g) { return g[f].rests; }))
       continue;
-    const Eigen::VectorXd& of = of_forces ? grids[grid][f].forces : grids[grid][f].positions;
-    rows.insert(rows.end(), of.begin(), of.end());
+    const FrameError& frame = grids[grid][f];
+    const Eigen::VectorXd& of = kind == Kind::position ? frame.positions : frame.forces;
+    const bool is_along = kind == Kind::force_along_clips;  // every second one
+    for (Eigen::Index k = is_along ? 1 : 0; k < of.size(); k += is_along ? 2 : 1)
+      rows.push_back(of[k]);
   }
   return Eigen::Map<const Eigen::VectorXd>(rows.data(), static_cast<Eigen::Index>(rows.size()));
 }
@@ -56,10 +62,10 @@ double observed_order(const Eigen::VectorXd& e1, const Eigen::VectorXd& e2,
 }
 
 void print_limit(const char* what, const std::vector<Frames>& grids,
-                 const std::vector<int>& factors, bool of_forces) {
+                 const std::vector<int>& factors, Kind kind) {
   if (grids.size() < 3) return;
   const std::size_t k = grids.size() - 1;
-  const auto e = [&](std::size_t back) { return rows_of(grids, k - back, of_forces); };
+  const auto e = [&](std::size_t back) { return rows_of(grids, k - back, kind); };
   const auto n = [&](std::size_t back) { return static_cast<double>(factors[k - back]); };
   if (e(0).size() == 0) return;
   const double p = observed_order(e(2), e(1), e(0), n(2), n(1), n(0));
@@ -123,8 +129,15 @@ void print_sequence(const twin::Fabric& cloth, const std::string& name, int cell
       std::printf("\n");
       std::fflush(stdout);
     }
-    print_limit("position", grids, factors, false);
-    print_limit("force", grids, factors, true);
+    print_limit("position", grids, factors, Kind::position);
+    print_limit("force", grids, factors, Kind::force);
+    if (name == "shear") {
+      std::printf("    along clips");
+      for (std::size_t g = 0; g < grids.size(); ++g)
+        std::printf(" %.2f", rms(rows_of(grids, g, Kind::force_along_clips)));
+      std::printf("\n");
+      print_limit("along", grids, factors, Kind::force_along_clips);
+    }
     std::fflush(stdout);
   }
 }

@@ -196,9 +196,8 @@ Sequence corrected(const TwoGrids& twin, const model::Model& model, double share
   estimation::GridErrorOptions options;
   options.share_as_sigma = share_as_sigma;
   options.of_positions = true;
-  // as tenter-bench-discretisation finds them from the differences of grids
+  // as tenter-bench-discretisation finds it from the differences of grids
   if (is_bend(twin.coarse.name)) options.order = 2.0;
-  if (twin.coarse.name == "shear") options.order = 1.1;  // of what is parallel to clips
   return without_grid_error(twin.coarse,
                             estimation::grid_error(model, twin.coarse, twin.fine, options).value());
 }

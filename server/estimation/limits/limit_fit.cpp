@@ -202,6 +202,7 @@ class LimitSearch {
   static std::vector<double> lengths(const Descent& along, double energy_max) {
     constexpr int kHalvings = 4;
     std::vector<double> all;
+    all.reserve(std::size_t{3} * kHalvings);
     for (int i = 0; i < kHalvings; ++i) all.push_back(std::ldexp(along.step, -i));
     const double around = std::min(2.0 * along.std_error, 0.5 * energy_max);
     for (int i = 0; i < kHalvings; ++i)

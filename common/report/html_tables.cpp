@@ -7,6 +7,7 @@
 #include "common/report/html_parts.h"
 #include "common/report/html_text.h"
 #include "common/report/summary.h"
+#include "common/report/text_parts.h"
 #include "common/report/words.h"
 
 namespace tenter::report {
@@ -145,6 +146,14 @@ std::string not_excited_row(const Json& result) {
          "<ul class=\"findings\">" + findings + "</ul></details></td></tr>\n";
 }
 
+/// "bounded: 43.1 to 46.8".
+std::string profile_cell(const Json& profile) {
+  const std::string word = text(profile, "word");
+  if (word.empty()) return cell("");
+  return cell(badge(word == "bounded" ? "good" : "warn", verdict_words(word)) +
+              "<div class=\"soft\">" + profile_range(profile) + "</div>");
+}
+
 }  // namespace
 
 std::string summary_cards(const Json& result) {
@@ -224,8 +233,13 @@ std::string capture_table(const Json& result) {
 }
 
 std::string parameter_table(const Json& result) {
+  // a column of its own where the fit was asked for profile likelihoods
+  const Json& entries = list(result, "parameters");
+  const bool has_profiles = std::any_of(entries.begin(), entries.end(), [](const Json& entry) {
+    return member(entry, "profile").is_object();
+  });
   std::string rows;
-  for (const Json& entry : list(result, "parameters")) {
+  for (const Json& entry : entries) {
     const std::string state = text(entry, "state");
     const Json& interval = list(entry, "interval");
     std::string range = percent({});
@@ -242,11 +256,13 @@ std::string parameter_table(const Json& result) {
     rows += "<tr>" + cell("<code>" + escape_html(text(entry, "name")) + "</code>") +
             number_cell(significant(value)) + cell(unit == "1" ? "" : escape_html(unit)) +
             number_cell(range) + number_cell(relative) +
-            cell(state.empty() ? "" : badge(css, verdict_words(state))) + "</tr>\n";
+            cell(state.empty() ? "" : badge(css, verdict_words(state))) +
+            (has_profiles ? profile_cell(member(entry, "profile")) : "") + "</tr>\n";
   }
   return panel("parameters", "Parameters", "Of the final model, with 95 % intervals.",
                "<th>Parameter</th><th class=\"n\">Value</th><th>Unit</th><th class=\"n\">Interval"
-               "</th><th class=\"n\">Standard error</th><th>State</th>",
+               "</th><th class=\"n\">Standard error</th><th>State</th>" +
+                   std::string(has_profiles ? "<th>Profile likelihood</th>" : ""),
                rows);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/report/text_parts.h"
 
+#include "common/report/words.h"
+
 #include <algorithm>
 #include <sstream>
 
@@ -50,6 +52,14 @@ std::string title_text(const std::string& headline, const std::string& subject,
   if (!first.empty()) first.pop_back();
   return coloured(first, "1", style.colour) + "\n" +
          coloured(printable(subject), "2", style.colour) + "\n\n";
+}
+
+std::string profile_range(const Json& profile) {
+  const std::optional<double> lo = number(profile, "lo");
+  const std::optional<double> hi = number(profile, "hi");
+  if (lo && hi) return significant(lo) + " to " + significant(hi);
+  if (lo) return "above " + significant(lo);
+  return hi ? "below " + significant(hi) : "no end found";
 }
 
 std::string checklist_text(const Json& result, const TextStyle& style) {

@@ -29,6 +29,10 @@ const char* colour_of(const std::string& verdict);
 std::string title_text(const std::string& headline, const std::string& subject,
                        const TextStyle& style);
 
+/// The interval of a parameter's profile likelihood: "43.1 to 46.8", "above 43.1", "below 46.8" or
+/// "no end found".
+std::string profile_range(const Json& profile);
+
 /// ERROR and WARNING of the checklist, with an empty line above; "" where all is well.
 std::string checklist_text(const Json& result, const TextStyle& style);
 

@@ -108,6 +108,9 @@ void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft) {
       ->check(CLI::IsMember({"none", "huber", "cauchy"}));
   command.add_flag("--at-once", draft.at_once,
                    "Sheets: fit all curves to all captures in one stage, instead of in stages.");
+  command.add_flag("--profiles", draft.profiles,
+                   "Sheets: say of each parameter how well the captures determine it, by refits "
+                   "(profile likelihood). Takes longer than the fit.");
 }
 
 Expected<void> complete_options(const SheetFitDraft& draft, const std::vector<std::string>& names,
@@ -138,6 +141,7 @@ Expected<void> complete_options(const SheetFitDraft& draft, const std::vector<st
   if (!draft.channels.empty()) options["channels"] = draft.channels;
   if (!draft.robust.empty()) options["robust"] = draft.robust;
   if (draft.at_once) options["staged"] = false;
+  if (draft.profiles) options["profiles"] = true;
   return {};
 }
 

@@ -30,6 +30,7 @@ struct SheetFitDraft {
   std::string channels;
   std::string robust;
   bool at_once = false;
+  bool profiles = false;
 };
 
 void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft);

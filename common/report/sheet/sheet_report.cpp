@@ -84,6 +84,22 @@ std::string stage_lines(const Json& result) {
   return out;
 }
 
+/// Where the fit was asked for profile likelihoods.
+std::string profile_lines(const Json& result) {
+  std::string out;
+  for (const Json& entry : list(result, "parameters")) {
+    const Json& profile = member(entry, "profile");
+    if (!profile.is_object()) continue;
+    out += "  " + padded(printable(text(entry, "name")), 32) +
+           right(significant(number(entry, "value")), 12) + "  " +
+           padded(verdict_words(printable(text(profile, "word"))), 11) + "  " +
+           profile_range(profile) + "\n";
+  }
+  if (out.empty()) return "";
+  return "\n  " + padded("parameter", 32) + right("value", 12) + "  profile likelihood, 95 %\n" +
+         out;
+}
+
 }  // namespace
 
 std::string render_page(const Json& result) {
@@ -105,7 +121,8 @@ std::string render_words(const Json& result, const TextStyle& style) {
   std::string out = title_text(headline(result), subject(result), style);
   out += total_line(result, "fitted", "error");
   out += total_line(result, "held_out", "held out");
-  return out + capture_lines(result) + stage_lines(result) + checklist_text(result, style);
+  return out + capture_lines(result) + stage_lines(result) + profile_lines(result) +
+         checklist_text(result, style);
 }
 
 }  // namespace tenter::report::sheet

@@ -12,6 +12,7 @@
 #include "server/estimation/least_squares/covariance.h"
 #include "server/estimation/least_squares/objective.h"
 #include "server/estimation/limits/limit_change.h"
+#include "server/estimation/limits/resting_starts.h"
 #include "server/estimation/uncertainty/profile.h"
 
 namespace tenter::estimation {
@@ -21,6 +22,9 @@ constexpr double kRise = 3.841458820694124;  // 95 % of chi-squared with one deg
 constexpr double kUnlimited = 1e6;           // times the model's own Psi_max: never reached
 constexpr double kStarts[] = {0.8,  0.6,  0.4,
                               0.25, 0.15, 0.08};  // of the largest density without the limit
+
+constexpr int kForStart = 4;  // iterations that tell starts apart
+constexpr int kAll = 1000000;
 
 /// A value of Psi_max and what was fitted with it held.
 struct Point {
@@ -95,7 +99,7 @@ class LimitSearch {
   }
 
   /// Step 1, in a point that may have its evaluator already.
-  Expected<void> fit_elastic(const Eigen::VectorXd& from, Point& point) const {
+  Expected<void> fit_elastic(const Eigen::VectorXd& from, Point& point, int iterations) const {
     const model::Model start = model_at(point.energy_max, from);
     if (!point.evaluator) {
       auto made = SequenceEvaluator::make(start, sequences_, options_.sequences);
@@ -103,17 +107,20 @@ class LimitSearch {
       point.evaluator = std::make_unique<SequenceEvaluator>(std::move(*made));
     }
     point.evaluator->set_accuracy(Accuracy::exact);
-    point.fit = fit(*point.evaluator, start, options_.fit);
+    FitOptions options = options_.fit;
+    options.max_iterations = std::min(options.max_iterations, iterations);
+    point.fit = fit(*point.evaluator, start, options);
     if (!point.fit.usable && !point.evaluator->failure().empty())
       point.fit.message += ": " + point.evaluator->failure();
     if (point.fit.usable) point.cost = cost_of(*point.evaluator, point.fit.residuals);
     return {};
   }
 
-  Expected<Point> fitted(double energy_max, const Eigen::VectorXd& from) const {
+  Expected<Point> fitted(double energy_max, const Eigen::VectorXd& from,
+                         int iterations = kAll) const {
     Point point;
     point.energy_max = energy_max;
-    if (auto ok = fit_elastic(from, point); !ok) return tl::unexpected(ok.error());
+    if (auto ok = fit_elastic(from, point, iterations); !ok) return tl::unexpected(ok.error());
     return point;
   }
 
@@ -135,7 +142,7 @@ class LimitSearch {
     Point best;
     double lowest = largest;
     const auto consider = [&](double energy_max) -> Expected<bool> {
-      auto point = fitted(energy_max, best.fit.usable ? best.fit.parameters : from);
+      auto point = fitted(energy_max, best.fit.usable ? best.fit.parameters : from, kForStart);
       if (!point) return tl::unexpected(point.error());
       result_.stopped = point->fit.stopped;
       lowest = std::min(lowest, energy_max);
@@ -195,6 +202,7 @@ class LimitSearch {
   static std::vector<double> lengths(const Descent& along, double energy_max) {
     constexpr int kHalvings = 4;
     std::vector<double> all;
+    all.reserve(std::size_t{3} * kHalvings);
     for (int i = 0; i < kHalvings; ++i) all.push_back(std::ldexp(along.step, -i));
     const double around = std::min(2.0 * along.std_error, 0.5 * energy_max);
     for (int i = 0; i < kHalvings; ++i)
@@ -204,6 +212,7 @@ class LimitSearch {
 
   /// Step 2; the point is left as it is where no length of the step lowers the cost.
   Expected<bool> move_limit(const Descent& along, Point& point) const {
+    const std::vector<Sequence> sequences = started_from_rest(*point.evaluator);
     for (const double length : lengths(along, point.energy_max)) {
       Point next;
       next.energy_max = point.energy_max + length;
@@ -215,13 +224,13 @@ class LimitSearch {
         if (of.upper) p[k] = std::min(p[k], *of.upper);
       }
       auto made =
-          SequenceEvaluator::make(model_at(next.energy_max, p), sequences_, options_.sequences);
+          SequenceEvaluator::make(model_at(next.energy_max, p), sequences, options_.sequences);
       if (!made) return tl::unexpected(made.error());
       next.evaluator = std::make_unique<SequenceEvaluator>(std::move(*made));
       Eigen::VectorXd residuals;
       if (next.evaluator->evaluate(p, residuals, nullptr) != mechanics::PathStatus::ok) continue;
       if (!(cost_of(*next.evaluator, residuals) < point.cost)) continue;
-      if (auto ok = fit_elastic(p, next); !ok) return tl::unexpected(ok.error());
+      if (auto ok = fit_elastic(p, next, kAll); !ok) return tl::unexpected(ok.error());
       if (!next.fit.usable) continue;
       point = std::move(next);
       return true;
@@ -230,6 +239,8 @@ class LimitSearch {
   }
 
   Expected<void> alternate(Point& point) {
+    if (auto ok = fit_elastic(Eigen::VectorXd(point.fit.parameters), point, kAll); !ok) return ok;
+    if (!point.fit.usable) return fail(ErrorKind::refused, point.fit.message);
     result_.rounds.push_back({point.energy_max, point.cost, point.fit.iterations});
     for (int round = 0; round < options_.max_rounds; ++round) {
       const auto along = descent(point);
@@ -245,8 +256,7 @@ class LimitSearch {
       result_.stopped = point.fit.stopped;
       if (result_.stopped) return {};
       if (!*moved) {
-        // no way down on either side
-        result_.converged = true;
+        result_.step_left = along->step / along->std_error;
         return {};
       }
       result_.rounds.push_back({point.energy_max, point.cost, point.fit.iterations});
@@ -301,6 +311,8 @@ class LimitSearch {
                                     : "acts in %.0f frames, which do not determine Psi_max near "
                                       "%.3g J/m^2",
                  result_.active_frames, result_.energy_max);
+    if (result_.step_left != 0.0)
+      result_.message += "; no lower cost was found beside it, though its slope is not zero";
     return std::move(result_);
   }
 

@@ -47,12 +47,15 @@ struct LimitRound {
 };
 
 struct LimitFit {
-  bool is_reached = false;         ///< the data determine Psi_max
-  bool converged = false;          ///< of the alternation, or of the fit without limit
-  bool stopped = false;            ///< by on_iteration
-  std::string message;             ///< what the data say of the limit, in a sentence
-  double energy_max = 0.0;         ///< Psi_max, J/m^2; where not reached, the largest density seen
-  double std_error = 0.0;          ///< with all free parameters; zero where not reached
+  bool is_reached = false;  ///< the data determine Psi_max
+  bool converged = false;   ///< of the alternation, or of the fit without limit
+  bool stopped = false;     ///< by on_iteration
+  std::string message;      ///< what the data say of the limit, in a sentence
+  double energy_max = 0.0;  ///< Psi_max, J/m^2; where not reached, the largest density seen
+  double std_error = 0.0;   ///< with all free parameters; zero where not reached
+  /// Not zero: the slope still asks for so many standard errors of Psi_max, but no step lowers the
+  /// cost, as where frames come to rest in other folds. Then not converged.
+  double step_left = 0.0;
   std::optional<double> at_least;  ///< where not reached: end of the one-sided 95 % interval
   int active_frames = 0;
   double cost = 0.0, cost_without = 0.0;

@@ -8,10 +8,10 @@
 
 #include "common/base/atomic_write.h"
 #include "common/model/document.h"
-#include "server/estimation/least_squares/covariance.h"
-#include "server/estimation/staged/resting_frames.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/staged/splines/strain_histogram.h"
+#include "server/jobs/sheet_fit/certainty/optimum.h"
+#include "server/jobs/sheet_fit/certainty/sheet_profiles.h"
 #include "server/jobs/sheet_fit/live_progress.h"
 #include "server/jobs/sheet_fit/sheet_document.h"
 #include "server/jobs/sheet_fit/sheet_residuals.h"
@@ -71,58 +71,6 @@ std::vector<std::vector<std::string>> terms_of_stages(
     all.push_back(std::move(terms));
   }
   return all;
-}
-
-/// Errors and correlations of all free parameters together, from what was compared in the fit and
-/// has a rest under the fitted model. Where that cannot be had the result says why.
-estimation::FitResult optimum(const model::Model& model, const SheetFindings& found, int threads) {
-  estimation::FitResult result;
-  std::vector<estimation::Sequence> sequences;
-  for (std::size_t i = 0; i < found.inputs.size(); ++i) {
-    const SheetInput& input = found.inputs[i];
-    if (input.held_out) continue;
-    estimation::Sequence sequence =
-        estimation::observed({input.role, input.sequence()}, found.options.channels);
-    std::vector<int> resting;
-    for (std::size_t f = 0; f < sequence.frames.size(); ++f) {
-      if (!found.after[i].states[f]) continue;
-      sequence.frames[f].start = found.after[i].states[f];
-      resting.push_back(static_cast<int>(f));
-    }
-    estimation::keep_frames(sequence, resting);
-    if (!resting.empty()) sequences.push_back(std::move(sequence));
-  }
-  if (sequences.empty()) {
-    result.message = "no fitted frame has a rest";
-    return result;
-  }
-  estimation::SequenceOptions options;
-  options.threads = threads;
-  options.tolerance_N = kTolerance_N;
-  auto evaluator = estimation::SequenceEvaluator::make(model, std::move(sequences), options);
-  if (!evaluator) {
-    result.message = evaluator.error().message;
-    return result;
-  }
-  result.parameters = estimation::parameter_values(model);
-  if (evaluator->evaluate(result.parameters, result.residuals, &result.jacobian) !=
-      mechanics::PathStatus::ok) {
-    result.message = evaluator->failure();
-    return result;
-  }
-  const auto parameters = estimation::parameters_of(model);
-  std::vector<int> free;
-  for (std::size_t k = 0; k < parameters.size(); ++k)
-    if (!parameters[k]->fixed) free.push_back(static_cast<int>(k));
-  Eigen::VectorXd weights = evaluator->weights();
-  if (weights.size() == 0) weights.setOnes(evaluator->row_count());
-  result.chi2 = weights.dot(result.residuals.cwiseAbs2());
-  estimation::describe_optimum(parameters, free, weights, found.options.loss, evaluator->rows(),
-                               result);
-  result.usable = true;
-  result.converged = found.stages.back().done && found.stages.back().converged;
-  result.message = found.stages.back().message;
-  return result;
 }
 
 Expected<std::vector<Prediction>> predictions(const model::Model& model,
@@ -257,7 +205,12 @@ Expected<void> run_sheet_fit(const JobInput& input, const json& spec,
   if (!after) return tl::unexpected(after.error());
   found.after = std::move(*after);
   report({"intervals", "", 0, 0.0, 0.96});
-  found.optimum = optimum(fit->model, found, threads);
+  found.optimum = optimum(fit->model, found, threads, kTolerance_N);
+  if (found.options.profiles) {
+    auto profiles = sheet_profiles(fit->model, found, {threads, kTolerance_N}, report, stop);
+    if (!profiles) return tl::unexpected(profiles.error());
+    found.profiles = std::move(*profiles);
+  }
   found.fitted = std::move(fit->model);
   add_reached_strains(found, found.fitted);
   if (found.optimum.usable) estimation::store(found.optimum, found.fitted);

@@ -136,6 +136,22 @@ json stage_json(const estimation::StageRecord& stage, const std::vector<std::str
           {"dropped", dropped}};
 }
 
+/// Null where there is none.
+json profile_json(const SheetFindings& found, std::size_t parameter) {
+  const auto end = [](const std::optional<double>& value) {
+    return value ? number(*value) : json(nullptr);
+  };
+  for (const estimation::Profile& profile : found.profiles)
+    if (profile.parameter == static_cast<int>(parameter))
+      return {{"word", estimation::words_of(profile.determined)},
+              {"lo", end(profile.lo)},
+              {"hi", end(profile.hi)},
+              {"found_better", profile.found_better},
+              {"fits", profile.fits},
+              {"failed", profile.failed}};
+  return nullptr;
+}
+
 json parameters_json(const SheetFindings& found) {
   json list = json::array();
   const auto names = estimation::parameter_names(found.fitted);
@@ -149,6 +165,7 @@ json parameters_json(const SheetFindings& found) {
          {"unit", p.unit},
          {"std_error", p.std_error ? number(*p.std_error) : json(nullptr)},
          {"interval", has_interval ? json{*p.interval_lo, *p.interval_hi} : json(nullptr)},
+         {"profile", profile_json(found, i)},
          {"state", state_word(i < found.optimum.states.size() ? found.optimum.states[i]
                                                               : ParameterState::fixed)}});
   }
@@ -254,8 +271,8 @@ json checklist_json(const SheetFindings& found) {
       list.push_back(check("WARNING", "Stage " + stage.name + " was not done", stage.message));
   estimation::CaveatOptions limits;
   limits.correlation = kCorrelated;
-  for (const estimation::Caveat& caveat :
-       estimation::caveats(found.fitted, found.optimum, {}, {}, dropped_frames(found), limits)) {
+  for (const estimation::Caveat& caveat : estimation::caveats(
+           found.fitted, found.optimum, {}, found.profiles, dropped_frames(found), limits)) {
     const bool is_wanted = caveat.kind == estimation::CaveatKind::frozen;  // by the document
     list.push_back(check(is_wanted ? "OK" : "WARNING", heading(caveat), caveat.sentence));
   }

@@ -188,6 +188,7 @@ Expected<SheetFitOptions> read_sheet_options(const json& given,
   reader.weights(options.weights);
   reader.word("robust", kLosses, options.loss.kind);
   options.loss.scale = options.loss.kind == Loss::cauchy ? kCauchy : kHuber;
+  reader.flag("profiles", options.profiles);
   reader.positive("sigma_m", options.sigma_m);
   reader.positive("sigma_N", options.sigma_N);
   reader.refuse_others();
@@ -213,7 +214,8 @@ json options_json(const SheetFitOptions& options) {
               {"roles", roles},
               {"held_out", options.held_out},
               {"weights", options.weights},
-              {"robust", word(kLosses, options.loss.kind)}};
+              {"robust", word(kLosses, options.loss.kind)},
+              {"profiles", options.profiles}};
   if (options.sigma_m > 0.0) all["sigma_m"] = options.sigma_m;
   if (options.sigma_N > 0.0) all["sigma_N"] = options.sigma_N;
   return all;

@@ -4,10 +4,12 @@
 //   {"resolution": 25, "points": 2000, "start": "equation_gap" | "model", "staged": true,
 //    "max_control_points": 5, "channels": "thesis" | "all", "roles": {"<capture>": "stretch_u"},
 //    "held_out": ["<capture>"], "weights": {"<capture>": 2.0}, "robust": "none" | "huber" |
-//    "cauchy", "sigma_m": 1e-4, "sigma_N": 0.003}
+//    "cauchy", "profiles": true, "sigma_m": 1e-4, "sigma_N": 0.003}
 //
 // All may be absent. A staged fit needs a role for every capture that is fitted; "evaluation" is
-// the role of what is held out. sigma_m and sigma_N stand in for captures that do not say theirs.
+// the role of what is held out. "profiles" asks for a word and an interval by profile likelihood
+// for each free parameter, which costs more than the fit. sigma_m and sigma_N stand in for captures
+// that do not say theirs.
 #pragma once
 
 #include <map>
@@ -32,6 +34,7 @@ struct SheetFitOptions {
   std::set<std::string> held_out;
   std::map<std::string, double> weights;
   estimation::RobustLoss loss;
+  bool profiles = false;
   double sigma_m = 0.0;
   double sigma_N = 0.0;
 

@@ -168,18 +168,20 @@ Json sheet_fit() {
                       {"position", errors(7.5e-5, 4.1e-4, 1.2e-4)}};
   root["stages"] = Json::array({stage("stretch_u", "weft", 81000.0, 5300.0, true),
                                 stage("shear", "shear", 91000.0, 4100.0, false)});
-  root["parameters"] = Json::array({{{"name", "weft.k"},
-                                     {"value", 81.2},
-                                     {"unit", "N/m"},
-                                     {"std_error", 0.4},
-                                     {"interval", {80.4, 82.0}},
-                                     {"state", "free"}},
-                                    {{"name", "shear.k"},
-                                     {"value", 0.0},
-                                     {"unit", "N/m"},
-                                     {"std_error", nullptr},
-                                     {"interval", nullptr},
-                                     {"state", "at_bound"}}});
+  root["parameters"] = Json::array(
+      {{{"name", "weft.k"},
+        {"value", 81.2},
+        {"unit", "N/m"},
+        {"std_error", 0.4},
+        {"interval", {80.4, 82.0}},
+        {"profile", {{"word", "one_sided"}, {"lo", 0.125}, {"hi", nullptr}, {"fits", 9}}},
+        {"state", "free"}},
+       {{"name", "shear.k"},
+        {"value", 0.0},
+        {"unit", "N/m"},
+        {"std_error", nullptr},
+        {"interval", nullptr},
+        {"state", "at_bound"}}});
   root["correlations"] = Json::array({{{"a", "weft.k"}, {"b", "shear.k"}, {"value", -0.94}}});
   root["curves"] = Json::array({curve("weft", 81.0, true), curve("warp", 120.0, false)});
   root["figures"] = Json::array({loop(0), loop(1)});

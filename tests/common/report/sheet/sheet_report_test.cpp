@@ -43,7 +43,8 @@ TEST(SheetReport, ShowsEveryPartOfTheResult) {
         "41\u202fmN \u2192 3.3\u202fmN", ">HELD OUT</span>", "frame 17: no stable equilibrium",
         "31 of 656 vertices", ">not done</span>", "at a bound: <code>shear.k</code>", "-0.94",
         "starting model</button>", "fitted model</button>", "shaded: never seen",
-        "frame 16: largest displacement"})
+        "frame 16: largest displacement", ">one sided</span><div class=\"soft\">above 0.125<",
+        "<th>Profile likelihood</th>"})
     EXPECT_NE(page.find(words), std::string::npos) << words;
   // the first screen is the table of captures, what was held out at its end
   EXPECT_LT(page.find("id=\"captures\""), page.find("id=\"curves\""));

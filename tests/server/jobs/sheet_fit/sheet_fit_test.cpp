@@ -242,13 +242,25 @@ TEST_F(SheetJob, OneStageForAllAndRefusals) {
   json spec = spec_;
   spec["model"] = json::parse(model::preset_json("cloth_stvk").value());
   spec["options"] = {{"staged", false},   {"resolution", 7}, {"robust", "huber"},
-                     {"channels", "all"}, {"points", 20},    {"held_out", {id_of(6)}}};
+                     {"channels", "all"}, {"points", 20},    {"held_out", {id_of(6)}},
+                     {"profiles", true}};
   const auto done = run("at-once", spec);
   ASSERT_TRUE(done) << done.error().message;
   const json result = json::parse(bytes("at-once/result.json"));
   ASSERT_EQ(result["stages"].size(), 1U);
   EXPECT_NEAR(result["parameters"][0]["value"].get<double>(), 45.0, 2.0);
   EXPECT_LE(result["captures"][0]["points"].get<int>(), 20);
+  // the profile of a stretch is no parabola's, but tells much the same
+  EXPECT_EQ(result["options"]["profiles"], true);
+  const json& weft = result["parameters"][0];
+  ASSERT_TRUE(weft["profile"].is_object()) << weft;
+  EXPECT_EQ(weft["profile"]["word"], "bounded");
+  EXPECT_GT(weft["profile"]["fits"].get<int>(), 4);
+  const double lo = weft["profile"]["lo"].get<double>(), hi = weft["profile"]["hi"].get<double>();
+  EXPECT_LT(lo, weft["value"].get<double>());
+  EXPECT_GT(hi, weft["value"].get<double>());
+  EXPECT_GT(hi - lo, 2.0 * weft["std_error"].get<double>());
+  EXPECT_LT(hi - lo, 40.0 * weft["std_error"].get<double>());
 
   for (const char* kind : {"diagnose", "simulate"}) {
     spec["kind"] = kind;

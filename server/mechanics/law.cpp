@@ -42,4 +42,23 @@ void Law::evaluate_batch(const double* parameters, const LawBatch& batch) const 
   }
 }
 
+void Law::stress_by_parameter_batch(const double* parameters, int parameter,
+                                    const LawBatch& batch) const {
+  const double no_state[kMaxLawState] = {};
+  double strain[kMaxStrains];
+  LawInput in;
+  in.strain = strain;
+  in.parameters = parameters;
+  in.state = no_state;
+  in.wants_energy = false;
+  LawOutput out;
+  for (int e = 0; e < batch.count; ++e) {
+    for (int i = 0; i < strain_count_; ++i) strain[i] = batch.strain[i][e];
+    clear(out);
+    evaluate(in, out);
+    for (int i = 0; i < strain_count_; ++i)
+      batch.stress[i][e] = out.stress_by_parameter[i][parameter];
+  }
+}
+
 }  // namespace tenter::mechanics

@@ -80,6 +80,10 @@ class Law {
   /// The same answers to rounding, for many strains with the same parameters. By default a loop
   /// over evaluate(); laws on the path of mesh assembly have their own.
   virtual void evaluate_batch(const double* parameters, const LawBatch& batch) const;
+  /// d(stress)/d(parameter) of many strains into `batch.stress`; nothing else of the batch is
+  /// written.
+  virtual void stress_by_parameter_batch(const double* parameters, int parameter,
+                                         const LawBatch& batch) const;
 
  protected:
   Law(int strains, int parameters, int states)

@@ -171,7 +171,11 @@ bool SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, Derivative 
       FrameWork& work = *frames_[s][f];
       State& state = work.slots[last_].state;
       if (from != last_) state = work.slots[from].state;
-      if (!is_here) state.x += work.slots[base_].by_parameter.x * (parameters - base_parameters_);
+      if (!is_here) {
+        const Eigen::VectorXd step = parameters - base_parameters_;
+        const Eigen::MatrixXd& by_parameter = work.slots[base_].by_parameter.x;
+        state.x += by_parameter * (options_.moving.empty() ? step : step(options_.moving).eval());
+      }
       SolveHow how{true, false, wanted};
       if (solve_frame(s, f, thread, parameters, how)) return;
       const auto& measured = sequences_[s].frames[f].start;
@@ -282,7 +286,8 @@ Expected<void> SequenceEvaluator::differentiate(std::size_t sequence, std::size_
                                                 Derivative wanted) {
   FrameWork::Slot& slot = frames_[sequence][frame]->slots[last_];
   if (wanted == Derivative::by_parameter) {
-    auto change = sensitivity_by_parameter(solver, parameters, slot.state);
+    auto change = sensitivity_by_parameter(solver, parameters, slot.state,
+                                           options_.moving.empty() ? nullptr : &options_.moving);
     if (!change) return tl::unexpected(change.error());
     slot.by_parameter = std::move(*change);
     return {};
@@ -332,7 +337,10 @@ void SequenceEvaluator::write_rows(std::size_t sequence, std::size_t frame,
     residuals[row] = residual;
     if (!jacobian) return;
     change_of(seen, by_parameter, change);
-    jacobian->row(row) = change / sigma;
+    if (options_.moving.empty())
+      jacobian->row(row) = change / sigma;
+    else
+      jacobian->row(row)(options_.moving) = change / sigma;
   });
 }
 

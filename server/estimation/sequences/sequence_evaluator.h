@@ -43,6 +43,9 @@ struct SequenceOptions {
   /// 1e-6 N saves a twentieth of a fit, and ends a tenth of a standard error beside its optimum.
   double stepping_tolerance_N = 1e-8;
   Weighting weighting = {};
+  /// Jacobians by these parameters alone, the other columns zero; empty: by all. Those of a stage
+  /// that holds most of a model cost a fraction.
+  std::vector<Eigen::Index> moving = {};
   std::function<double()> clock =
       nullptr;  ///< in seconds, for SequenceCost; callable from any thread
   /// For whoever watches; called from any thread, returns soon.

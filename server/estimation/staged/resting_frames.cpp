@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/estimation/staged/resting_frames.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -44,6 +45,13 @@ Expected<RestingFrames> resting_frames(const model::Model& model, const Sequence
     }
   }
   return found;
+}
+
+std::vector<int> even_frames(int all, int most) {
+  const int count = std::min(all, std::max(1, most));
+  std::vector<int> frames;
+  for (int k = 1; k <= count; ++k) frames.push_back((k * all + count - 1) / count - 1);
+  return frames;
 }
 
 void keep_frames(Sequence& sequence, const std::vector<int>& frames) {

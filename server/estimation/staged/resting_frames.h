@@ -32,6 +32,9 @@ struct RestingFrames {
 Expected<RestingFrames> resting_frames(const model::Model& model, const Sequence& sequence,
                                        const Eigen::VectorXd& parameters, double tolerance_N);
 
+/// At most so many of `all` frames, evenly over them and the last one with them; from 0.
+std::vector<int> even_frames(int all, int most);
+
 /// Leaves only these, in their order.
 void keep_frames(Sequence& sequence, const std::vector<int>& frames);
 

@@ -10,6 +10,7 @@
 #include "server/estimation/staged/resting_frames.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/staged/splines/strain_histogram.h"
+#include "server/estimation/staged/start/constant_guess.h"
 
 namespace tenter::estimation {
 namespace {
@@ -22,20 +23,22 @@ struct Fitted {
   std::vector<std::vector<mechanics::State>> states;
 };
 
-/// A guess for `before`, not at zero where it was not: without any stiffness a curve can hide that
-/// it is needed, and frames may have no rest.
-double started(double guess, double before, const model::Parameter& p) {
-  constexpr double kLeast = 0.1;
-  const bool is_stiffness = p.lower && *p.lower >= 0.0 && before > 0.0;
-  return is_stiffness ? std::max(guess, kLeast * before) : guess;
-}
+/// A start whose frames are solved. Refers to the model that it is of.
+struct Trial {
+  SequenceEvaluator evaluator;
+  double cost = 0.0;
+};
 
 class Stage {
  public:
   Stage(const StageTask& task, const StageOptions& options) : task_(task), options_(options) {
     record_.name = task.name;
-    for (const RoleSequence& s : task.sequences)
+    for (const RoleSequence& s : task.sequences) {
+      const int all = static_cast<int>(s.sequence.frames.size());
+      taken_.push_back(even_frames(all, options.most_frames > 0 ? options.most_frames : all));
       sequences_.push_back(observed(s, options.channels));
+      keep_frames(sequences_.back(), taken_.back());
+    }
   }
 
   Expected<StageRecord> run(model::Model& model) {
@@ -71,8 +74,12 @@ class Stage {
     return record_;
   }
 
+  static bool holds(const std::vector<std::string>& ids, const model::Term& term) {
+    return std::find(ids.begin(), ids.end(), term.id) != ids.end();
+  }
+
   bool is_fitted(const model::Term& term) const {
-    return std::find(task_.terms.begin(), task_.terms.end(), term.id) != task_.terms.end();
+    return holds(task_.terms, term) || holds(task_.along, term);
   }
 
   model::Model with_only_its_terms_free(model::Model model) const {
@@ -84,29 +91,30 @@ class Stage {
   }
 
   bool is_refined(const model::Term& term) const {
-    return task_.refine && is_fitted(term) && is_spline(term.law);
+    return task_.refine && holds(task_.terms, term) && is_spline(term.law);
   }
 
   /// Of the values that the stage was given and the guess from forces, those of the lower cost.
   Expected<void> choose_start(model::Model& start, ParameterTies& ties) {
     const Eigen::VectorXd given = ties.values();
-    std::optional<double> cost = cost_at(start, ties, given);
-    if (auto ok = leave_out_restless(start, ties, given, cost); !ok) return ok;
+    known_ = try_at(start, ties, given);
+    if (auto ok = leave_out_restless(start, ties, given); !ok) return ok;
     if (!record_.message.empty()) return {};
-    record_.cost_at_start = *cost;
-    record_.cost_before = improve_start(start, ties, *cost);
+    record_.cost_at_start = known_->cost;
+    record_.cost_before = improve_start(start, ties, known_->cost, options_.gap);
     record_.guessed = record_.cost_before < record_.cost_at_start;
     return {};
   }
 
   /// Puts the guess from forces into `ties` where its cost is lower; the cost of what is there
   /// then.
-  double improve_start(const model::Model& model, ParameterTies& ties, double cost) {
-    if (!options_.first_guess) return cost;
+  double improve_start(const model::Model& model, ParameterTies& ties, double cost,
+                       const GapOptions& how) {
+    if (!options_.first_guess || !task_.guess) return cost;
     std::vector<GapSequence> measured;
     for (std::size_t s = 0; s < sequences_.size(); ++s)
       measured.push_back({&whole(s), rows_of(task_.sequences[s].role, options_.channels)});
-    const auto gap = equation_gap(model, ties, measured, options_.gap);
+    const auto gap = equation_gap(model, ties, measured, how);
     if (!gap) {
       record_.guess_message = gap.error().message;
       return cost;
@@ -116,14 +124,15 @@ class Stage {
       double& value = q[static_cast<Eigen::Index>(k)];
       value = started(value, ties.free[k].value, ties.free[k]);
     }
-    const auto guessed = cost_at(model, ties, q);
-    if (!guessed || !(*guessed < cost)) {
+    auto guessed = try_at(model, ties, q);
+    if (!guessed || !(guessed->cost < cost)) {
       record_.guess_message = guessed ? "its cost is higher" : "frames have no rest there";
       return cost;
     }
     for (std::size_t k = 0; k < ties.free.size(); ++k)
       ties.free[k].value = q[static_cast<Eigen::Index>(k)];
-    return *guessed;
+    known_ = std::move(guessed);
+    return known_->cost;
   }
 
   /// With the points of all sequences, also of those that only forces of are compared, but without
@@ -135,26 +144,37 @@ class Stage {
         const Sequence& given = task_.sequences[k].sequence;
         whole_[k].points = given.points;
         for (std::size_t f = 0; f < whole_[k].frames.size(); ++f)
-          whole_[k].frames[f].points_m = given.frames[f].points_m;
+          whole_[k].frames[f].points_m =
+              given.frames[static_cast<std::size_t>(taken_[k][f])].points_m;
       }
     }
     return whole_[s];
   }
 
-  std::optional<double> cost_at(const model::Model& model, const ParameterTies& ties,
-                                const Eigen::VectorXd& q) {
-    auto evaluator = SequenceEvaluator::make(model, sequences_, evaluator_options(model));
+  /// With the Jacobian: the fit that begins here has its first iteration done.
+  std::optional<Trial> try_at(const model::Model& model, const ParameterTies& ties,
+                              const Eigen::VectorXd& q) {
+    auto evaluator = SequenceEvaluator::make(model, sequences_, evaluator_options(model, ties));
     if (!evaluator) return std::nullopt;
     Eigen::VectorXd residuals;
-    if (evaluator->evaluate(ties.all(q), residuals, nullptr) != mechanics::PathStatus::ok)
+    RowMatrix jacobian;
+    if (evaluator->evaluate(ties.all(q), residuals, &jacobian) != mechanics::PathStatus::ok)
       return std::nullopt;
     record_.rows = evaluator->row_count();
     const Eigen::VectorXd weights = evaluator->weights();
-    return weights.size() > 0 ? residuals.cwiseAbs2().dot(weights) : residuals.squaredNorm();
+    const double cost =
+        weights.size() > 0 ? residuals.cwiseAbs2().dot(weights) : residuals.squaredNorm();
+    return Trial{std::move(*evaluator), cost};
   }
 
-  SequenceOptions evaluator_options(const model::Model& model) const {
+  SequenceOptions evaluator_options(const model::Model& model, const ParameterTies& ties) const {
     SequenceOptions options;
+    for (Eigen::Index p = 0; p < ties.map.rows(); ++p) {
+      bool moves = false;
+      for (Eigen::Index q = 0; q < ties.map.cols(); ++q)
+        moves |= ties.map(p, q) != 0.0 && !ties.free[static_cast<std::size_t>(q)].fixed;
+      if (moves) options.moving.push_back(p);
+    }
     options.threads = options_.threads;
     options.tolerance_N = options_.tolerance_N;
     options.weighting = options_.weighting;
@@ -166,17 +186,20 @@ class Stage {
   }
 
   Expected<void> leave_out_restless(const model::Model& model, const ParameterTies& ties,
-                                    const Eigen::VectorXd& q, std::optional<double>& cost) {
-    if (cost) return {};
+                                    const Eigen::VectorXd& q) {
+    if (known_) return {};
     // an input that does not fit is told from frames without rest
-    if (auto made = SequenceEvaluator::make(model, sequences_, evaluator_options(model)); !made)
+    if (auto made = SequenceEvaluator::make(model, sequences_, evaluator_options(model, ties));
+        !made)
       return tl::unexpected(made.error());
     for (std::size_t s = 0; s < sequences_.size(); ++s) {
       auto rest = resting_frames(model, sequences_[s], ties.all(q), options_.tolerance_N);
       if (!rest) return tl::unexpected(rest.error());
       whole(s);
       for (const RestlessFrame& frame : rest->restless)
-        record_.dropped.push_back({sequences_[s].name, frame.frame + 1, frame.reason});
+        record_.dropped.push_back({sequences_[s].name,
+                                   taken_[s][static_cast<std::size_t>(frame.frame)] + 1,
+                                   frame.reason});
       keep_frames(sequences_[s], rest->resting);
       keep_frames(whole_[s], rest->resting);
     }
@@ -185,13 +208,16 @@ class Stage {
       record_.message = "no frame of \"" + sequence.name + "\" has a rest at the start values";
       return {};
     }
-    cost = cost_at(model, ties, q);
-    if (!cost) record_.message = "the model has no equilibrium at the start values";
+    known_ = try_at(model, ties, q);
+    if (!known_) record_.message = "the model has no equilibrium at the start values";
     return {};
   }
 
   Expected<Fitted> fit_curves(const model::Model& model, const ParameterTies& ties) {
-    auto evaluator = SequenceEvaluator::make(model, sequences_, evaluator_options(model));
+    auto evaluator =
+        known_ ? Expected<SequenceEvaluator>(std::move(known_->evaluator))
+               : SequenceEvaluator::make(model, sequences_, evaluator_options(model, ties));
+    known_.reset();
     if (!evaluator) return tl::unexpected(evaluator.error());
     FitOptions options;
     options.max_iterations = options_.max_iterations;
@@ -218,7 +244,7 @@ class Stage {
   int points_of(const model::Model& model) const {
     std::size_t most = 0;
     for (const model::Term& term : model.terms)
-      if (is_fitted(term)) most = std::max(most, term.law.parameters.size());
+      if (holds(task_.terms, term)) most = std::max(most, term.law.parameters.size());
     return static_cast<int>(most);
   }
 
@@ -250,7 +276,9 @@ class Stage {
     }
     auto ties = tie_terms(finer, task_.ties);
     if (!ties) return tl::unexpected(ties.error());
-    improve_start(finer, *ties, fitted.result.chi2);
+    GapOptions from_near = options_.gap;  // the shapes are known but for what a point more does
+    from_near.most_rounds = std::min(from_near.most_rounds, 2);
+    improve_start(finer, *ties, fitted.result.chi2, from_near);
     return fit_curves(finer, *ties);
   }
 
@@ -268,11 +296,8 @@ class Stage {
       if (!is_refined(terms[t]) || terms[t].law.range_hi > terms[t].law.range_lo) continue;
       StrainHistogram all = histograms[t];
       for (const auto& group : task_.ties) {
-        const auto holds = [&](const model::Term& term) {
-          return std::find(group.begin(), group.end(), term.id) != group.end();
-        };
-        for (std::size_t other = 0; holds(terms[t]) && other < terms.size(); ++other)
-          if (other != t && holds(terms[other])) all.merge(histograms[other]);
+        for (std::size_t other = 0; holds(group, terms[t]) && other < terms.size(); ++other)
+          if (other != t && holds(group, terms[other])) all.merge(histograms[other]);
       }
       auto [lo, hi] = all.range(options_.outliers);
       if (!(hi > lo)) hi = lo + 1e-6;
@@ -320,54 +345,15 @@ class Stage {
   const StageTask& task_;
   const StageOptions& options_;
   StageRecord record_;
-  std::vector<Sequence> sequences_;  ///< with the channels that count
+  std::vector<std::vector<int>> taken_;  ///< frames of each given sequence, before any is left out
+  std::vector<Sequence> sequences_;      ///< with these and the channels that count
   std::vector<Sequence> whole_;
+  std::optional<Trial> known_;  ///< where the next fit begins
   std::vector<model::StrainRange> ranges_;
   bool has_ranges_ = false;
 };
 
 }  // namespace
-
-void begin_with_one_point(model::Model& model, const std::vector<std::string>& terms) {
-  for (model::Term& term : model.terms) {
-    const bool has_range = term.law.range_hi > term.law.range_lo;
-    const bool is_named = std::find(terms.begin(), terms.end(), term.id) != terms.end();
-    if (is_spline(term.law) && (is_named || !has_range)) term.law = as_constant(term.law);
-  }
-}
-
-Expected<StageRecord> guess_all(model::Model& model, const StageTask& task,
-                                const StageOptions& options) {
-  StageRecord record;
-  record.name = task.name;
-  begin_with_one_point(model, task.terms);
-  auto ties = tie_terms(model, task.ties);
-  if (!ties) return tl::unexpected(ties.error());
-  std::vector<GapSequence> measured;
-  measured.reserve(task.sequences.size());
-  for (const RoleSequence& s : task.sequences) measured.push_back({&s.sequence, GapRows::all});
-  const auto gap = equation_gap(model, *ties, measured, options.gap);
-  if (!gap) {
-    if (gap.error().kind != ErrorKind::refused) return tl::unexpected(gap.error());
-    record.message = gap.error().message;
-    return record;
-  }
-  record.done = record.guessed = true;
-  record.message = std::to_string(gap->frames) + " frames, " + std::to_string(gap->rounds) +
-                   " rounds, " + std::to_string(gap->frames_left_out) + " frames left out";
-  const Eigen::VectorXd all = ties->all(gap->q);
-  const auto parameters = parameters_of(model);
-  const std::vector<std::string> names = parameter_names(model);
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    parameters[k]->value =
-        started(all[static_cast<Eigen::Index>(k)], parameters[k]->value, *parameters[k]);
-    for (Eigen::Index q = 0; q < ties->map.cols(); ++q)
-      if (ties->map(static_cast<Eigen::Index>(k), q) != 0.0 &&
-          gap->is_at_bound[static_cast<std::size_t>(q)])
-        record.not_free.push_back({names[k], ParameterState::at_bound});
-  }
-  return record;
-}
 
 Expected<StageRecord> fit_stage(model::Model& model, const StageTask& task,
                                 const StageOptions& options) {

@@ -40,6 +40,7 @@ struct StageOptions {
   int threads = 1;
   Channels channels = Channels::thesis;
   Weighting weighting = {};  ///< of rows in (3.6), where a stage has several sequences
+  int most_frames = 0;       ///< of a sequence, evenly over it; 0: all
   int most_points = 5;
   double least_gain = 0.01;   ///< of (3.6), for one control point more
   bool stop_at_noise = true;  ///< no point more where the rows' sigmas explain what is left of
@@ -60,6 +61,10 @@ struct StageTask {
   std::vector<std::string> terms;              ///< ids of those that are fitted
   std::vector<std::vector<std::string>> ties;  ///< groups with one curve each
   std::vector<RoleSequence> sequences;
+  /// Fitted too, with the control points that they have: terms of an earlier stage that pull where
+  /// these do.
+  std::vector<std::string> along = {};
+  bool guess = true;           ///< by the equation gap; else from what is there
   bool refine = true;          ///< splines get more control points; else as they are
   bool from_one_point = true;  ///< refinement begins with constant stiffness; else with what is
                                ///< there
@@ -97,14 +102,6 @@ struct StageRecord {
   };
   std::vector<Named> not_free;  ///< fitted, but at a bound, flat or without gradient
 };
-
-/// Splines that have no range yet, and those of `terms`, with one control point.
-void begin_with_one_point(model::Model& model, const std::vector<std::string>& terms);
-
-/// Constant stiffnesses of all terms together by the equation gap on all that was measured,
-/// written into `model`; no frame is solved. A record without `done` says why there is none.
-Expected<StageRecord> guess_all(model::Model& model, const StageTask& task,
-                                const StageOptions& options);
 
 /// Writes values, errors, control points and ranges into `model`. bad_input as tie_terms() and
 /// SequenceEvaluator::make(); a stage that could not be done is no error but a record that says so,

@@ -2,9 +2,13 @@
 #include "server/estimation/staged/staged_fit.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <mutex>
 #include <optional>
+
 #include "server/estimation/parallel.h"
+#include "server/estimation/staged/start/constant_guess.h"
+#include "server/estimation/staged/whole_cost.h"
 
 namespace tenter::estimation {
 namespace {
@@ -12,11 +16,15 @@ namespace {
 using Groups = std::vector<std::vector<std::string>>;
 using Wave = std::vector<StageTask>;
 
+constexpr const char* kCoupled = "coupled";
+
 bool share_a_group(const StageTask& a, const StageTask& b, const Groups& groups) {
   const auto holds = [](const std::vector<std::string>& group, const StageTask& task) {
-    return std::any_of(task.terms.begin(), task.terms.end(), [&](const std::string& id) {
+    const auto is_in_group = [&](const std::string& id) {
       return std::find(group.begin(), group.end(), id) != group.end();
-    });
+    };
+    return std::any_of(task.terms.begin(), task.terms.end(), is_in_group) ||
+           std::any_of(task.along.begin(), task.along.end(), is_in_group);
   };
   return std::any_of(groups.begin(), groups.end(), [&](const std::vector<std::string>& group) {
     return holds(group, a) && holds(group, b);
@@ -36,6 +44,7 @@ Wave merged(Wave wave, const Groups& groups) {
     }
     same->name += "+" + task.name;
     same->terms.insert(same->terms.end(), task.terms.begin(), task.terms.end());
+    same->along.insert(same->along.end(), task.along.begin(), task.along.end());
     for (RoleSequence& s : task.sequences) same->sequences.push_back(std::move(s));
   }
   return result;
@@ -43,7 +52,9 @@ Wave merged(Wave wave, const Groups& groups) {
 
 class StagedFit {
  public:
-  StagedFit(model::Model model, const StagedOptions& options) : options_(options) {
+  StagedFit(model::Model model, const std::vector<RoleSequence>& measured,
+            const StagedOptions& options)
+      : options_(options), whole_(measured, options.stage) {
     result_.model = std::move(model);
     if (options.resume != nullptr) result_ = *options.resume;
     done_before_ = result_.stages.size();
@@ -82,6 +93,8 @@ class StagedFit {
     StageOptions options = options_.stage;
     options.threads = std::max(1, options_.stage.threads / at_once);
     options.on_progress = [&](const StageProgress& progress) { return report(progress); };
+    const bool is_last = wave.front().name == kCoupled;
+    if (options_.coupled && !is_last) options.most_frames = options_.early_frames;
     std::vector<model::Model> models(count, result_.model);
     std::vector<std::optional<Expected<StageRecord>>> records(count);
     in_parallel(at_once, static_cast<int>(count), [&](int, int i) {
@@ -92,22 +105,55 @@ class StagedFit {
       if (!*records[k]) return tl::unexpected(records[k]->error());
       StageRecord& record = **records[k];
       result_.stopped |= record.stopped;
-      if (record.done) adopt(models[k], wave[k]);
+      if (record.done)
+        if (auto ok = adopt(models[k], wave[k], record); !ok) return tl::unexpected(ok.error());
       result_.stages.push_back(std::move(record));
     }
     return {};
   }
 
-  void adopt(const model::Model& from, const StageTask& task) {
-    for (std::size_t t = 0; t < from.terms.size(); ++t) {
-      const std::string& id = from.terms[t].id;
-      if (std::find(task.terms.begin(), task.terms.end(), id) == task.terms.end()) continue;
-      result_.model.terms[t] = from.terms[t];
-      const auto is_of_term = [&](const model::StrainRange& range) { return range.term == id; };
-      std::erase_if(result_.model.strain_ranges, is_of_term);
-      for (const model::StrainRange& range : from.strain_ranges)
-        if (is_of_term(range)) result_.model.strain_ranges.push_back(range);
+  /// Puts the stage's terms into the model, unless that is worse for the sequences together.
+  Expected<void> adopt(const model::Model& from, const StageTask& task, StageRecord& record) {
+    model::Model changed = result_.model;
+    for (const auto* ids : {&task.terms, &task.along})
+      for (const std::string& id : *ids) take_term(from, id, changed);
+    if (!now_) {
+      auto now = whole_.of(result_.model);
+      if (!now) return tl::unexpected(now.error());
+      now_ = std::move(*now);
     }
+    auto then = whole_.of(changed);
+    if (!then) return tl::unexpected(then.error());
+    if (then->is_above(*now_)) {
+      record.done = false;
+      record.message = put_back(*now_, *then);
+      return {};
+    }
+    result_.model = std::move(changed);
+    now_ = std::move(*then);
+    return {};
+  }
+
+  static std::string put_back(const WholeCost::Value& before, const WholeCost::Value& after) {
+    char words[160];
+    if (after.restless() > before.restless())
+      std::snprintf(words, sizeof words,
+                    "put back: %d frames of all sequences have no rest with it, %d without",
+                    after.restless(), before.restless());
+    else
+      std::snprintf(words, sizeof words,
+                    "put back: the cost over all sequences rose from %.4g to %.4g",
+                    before.cost(after), after.cost(before));
+    return words;
+  }
+
+  static void take_term(const model::Model& from, const std::string& id, model::Model& into) {
+    for (std::size_t t = 0; t < from.terms.size(); ++t)
+      if (from.terms[t].id == id) into.terms[t] = from.terms[t];
+    const auto is_of_term = [&](const model::StrainRange& range) { return range.term == id; };
+    std::erase_if(into.strain_ranges, is_of_term);
+    for (const model::StrainRange& range : from.strain_ranges)
+      if (is_of_term(range)) into.strain_ranges.push_back(range);
   }
 
   /// Whether the next `count` stages are among those of a result that is gone on from.
@@ -126,7 +172,9 @@ class StagedFit {
 
   const StagedOptions& options_;
   StagedResult result_;
-  std::size_t done_before_ = 0;  ///< stages of options_.resume that are still to be passed
+  WholeCost whole_;
+  std::optional<WholeCost::Value> now_;  ///< of the model as it is
+  std::size_t done_before_ = 0;          ///< stages of options_.resume that are still to be passed
   std::mutex mutex_;
   bool is_stopping_ = false;
 };
@@ -152,19 +200,34 @@ std::vector<Wave> plan_stages(const model::Model& model, const std::vector<RoleS
       {stage("bend_u", Component::bend_u, {Role::bend_u}),
        stage("bend_v", Component::bend_v, {Role::bend_v})},
       {stage("bend_diagonal", Component::bend_diagonal, {Role::bend_u, Role::bend_v})}};
+  // springs between nodes two apart bend and stretch: positions alone would leave their pull open
+  const auto stretches_too = [&](StageTask& task, Component component, Role role) {
+    const auto is_long_spring = [&](const model::Term& term) {
+      return term.strain.name.rfind("ring2_", 0) == 0 &&
+             std::find(task.terms.begin(), task.terms.end(), term.id) != task.terms.end();
+    };
+    if (std::none_of(model.terms.begin(), model.terms.end(), is_long_spring)) return;
+    task.along = terms_of(model, component);
+    for (const RoleSequence& s : measured)
+      if (s.role == role) task.sequences.push_back(s);
+  };
+  stretches_too(waves[2][0], Component::stretch_u, Role::stretch_u);
+  stretches_too(waves[2][1], Component::stretch_v, Role::stretch_v);
+  stretches_too(waves[3][0], Component::shear, Role::shear);
   for (Wave& wave : waves) wave = merged(std::move(wave), options.ties);
   const std::size_t first_pass = waves.size();
   for (std::size_t w = 1; options.repeat && w < first_pass; ++w) {
     Wave again = waves[w];
     for (StageTask& task : again) {
       task.name += "_again";
-      task.from_one_point = false;
+      task.from_one_point = task.guess = false;
     }
     waves.push_back(std::move(again));
   }
   if (!options.coupled) return waves;
   StageTask coupled;
-  coupled.name = "coupled";
+  coupled.name = kCoupled;
+  coupled.guess = false;
   coupled.ties = options.ties;
   coupled.refine = false;
   for (const model::Term& term : model.terms) coupled.terms.push_back(term.id);
@@ -181,7 +244,7 @@ Expected<StagedResult> staged_fit(model::Model model, const std::vector<RoleSequ
   });
   if (!has_data) return bad_input("there is no sequence to fit to");
   const std::vector<Wave> waves = plan_stages(model, measured, options);
-  StagedFit fit(std::move(model), options);
+  StagedFit fit(std::move(model), measured, options);
   if (options.stage.first_guess)
     if (auto ok = fit.guess(measured); !ok) return tl::unexpected(ok.error());
   return fit.run(waves);

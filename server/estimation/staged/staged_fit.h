@@ -14,6 +14,10 @@
 //   auto fit = staged_fit(model::preset("cloth_stvk_spline").value(), measured, {});
 //   for (const StageRecord& stage : fit->stages) ...       // what each did, and what it left out
 //
+// A stage that makes things worse for all sequences together (whole_cost.h) is put back, and its
+// record says so. Springs between nodes two apart bend and stretch: their stages fit the short
+// springs too, to what those were fitted to.
+//
 // Groups of terms that share a curve (isotropic: weft and warp) are fitted together, to the
 // sequences of both. Terms that are none of the six components are fitted in the coupled stage
 // only. Sequences for evaluation are not looked at.
@@ -29,9 +33,11 @@ namespace tenter::estimation {
 struct StagedResult;
 
 struct StagedOptions {
-  StageOptions stage;                          ///< its threads are those of the whole fit
-  bool repeat = true;                          ///< shear and bending once more
-  bool coupled = true;                         ///< and all together
+  StageOptions stage;     ///< its threads are those of the whole fit
+  bool repeat = true;     ///< shear and bending once more
+  bool coupled = true;    ///< and all together
+  int early_frames = 20;  ///< of a sequence, in the stages before the coupled one, where there is
+                          ///< one; 0: all
   std::vector<std::vector<std::string>> ties;  ///< groups of terms that share a curve
   /// Called with all that was done so far, whenever stages have ended. Such a result (of the same
   /// model, sequences and options) as `resume` is gone on from, and ends in the same bytes: stages

@@ -142,7 +142,7 @@ class ElementGroup final : public MeshModel::Group {
         term.strain->strains(chunk.z, first, count, chunk.strain);
         for (int p = 0; p < term.law->parameter_count(); ++p) {
           const LawBatch batch = chunk.batch(count, false, false);
-          stress_by_parameter(term, parameters, p, chunk, count);
+          term.law->stress_by_parameter_batch(parameters + term.first_parameter, p, batch);
           double psi_z[Z * kChunk] = {};
           term.strain->chain(chunk.z, first, batch, measure, psi_z, nullptr);
           add_gradient(elements_, x, first, count, psi_z,
@@ -357,26 +357,6 @@ class ElementGroup final : public MeshModel::Group {
       work(chunk, first, count);
     }
     return AssemblyStatus::ok;
-  }
-
-  static void stress_by_parameter(const GroupTerm& term, const double* parameters, int parameter,
-                                  Chunk& chunk, int count) {
-    const int strains = term.strain->count();
-    LawOutput out;
-    for (int e = 0; e < count; ++e) {
-      double strain[kMaxStrains];
-      for (int i = 0; i < strains; ++i) strain[i] = chunk.strain[i * kChunk + e];
-      const double rest[kMaxLawState] = {};
-      LawInput in;
-      in.strain = strain;
-      in.parameters = parameters + term.first_parameter;
-      in.state = rest;
-      in.wants_energy = false;
-      term.law->clear(out);
-      term.law->evaluate(in, out);
-      for (int i = 0; i < strains; ++i)
-        chunk.stress[i * kChunk + e] = out.stress_by_parameter[i][parameter];
-    }
   }
 
   Elements elements_;

@@ -134,13 +134,19 @@ bool gradient_by_parameter(const EquilibriumSolver& solver, const Eigen::VectorX
 
 Expected<Sensitivity> sensitivity_by_parameter(EquilibriumSolver& solver,
                                                const Eigen::VectorXd& parameters,
-                                               const State& state) {
+                                               const State& state,
+                                               const std::vector<Eigen::Index>* only) {
   auto compliance = Compliance::at(solver, parameters, state);
   if (!compliance) return tl::unexpected(compliance.error());
   Eigen::MatrixXd partial;
   if (!gradient_by_parameter(solver, parameters, state, partial))
     return fail(ErrorKind::refused, "a derivative by a parameter is not finite");
-  return answer(solver, *compliance, partial, -compliance->limits_by_parameter());
+  if (!only) return answer(solver, *compliance, partial, -compliance->limits_by_parameter());
+  const Eigen::MatrixXd some = partial(Eigen::indexing::all, *only);
+  const Eigen::MatrixXd& limits = compliance->limits_by_parameter();
+  Eigen::MatrixXd limits_change = Eigen::MatrixXd::Zero(limits.rows(), some.cols());
+  if (limits.size() > 0) limits_change = -limits(Eigen::indexing::all, *only);
+  return answer(solver, *compliance, some, limits_change);
 }
 
 /// G at fixed x is left as it is: what the multipliers do to it is among the unknowns.

@@ -19,6 +19,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 #include "common/base/error.h"
 #include "server/mechanics/equilibrium/equilibrium.h"
@@ -30,10 +31,11 @@ struct Sensitivity {
   Eigen::MatrixXd gradient;  ///< the same size: dG, N per unit; zero where nodes are free
 };
 
-/// By every parameter of the model.
+/// By every parameter of the model; or, where `only` is given, by those alone: one column each.
 Expected<Sensitivity> sensitivity_by_parameter(EquilibriumSolver& solver,
                                                const Eigen::VectorXd& parameters,
-                                               const State& state);
+                                               const State& state,
+                                               const std::vector<Eigen::Index>* only = nullptr);
 
 /// By psi_max of an energy limit, one column: the density of its elements at the limit moves with
 /// psi_max. Zero where none is there, or the model has no limit of this id.

@@ -21,6 +21,9 @@ class SplineLaw final : public Law {
   SplineLaw(Form form, int strains, int points, double range_lo, double range_hi);
   void evaluate(const LawInput& in, LawOutput& out) const override;
   void evaluate_batch(const double* parameters, const LawBatch& batch) const override;
+  /// The stress of one basis function: the law is linear in its parameters.
+  void stress_by_parameter_batch(const double* parameters, int parameter,
+                                 const LawBatch& batch) const override;
 
  private:
   /// One basis function on one interval: value = sum_k c[k] t^k, t in [0, 1]; and the integrals of

@@ -108,4 +108,14 @@ void SplineLaw::evaluate_batch(const double* parameters, const LawBatch& batch) 
   }
 }
 
+void SplineLaw::stress_by_parameter_batch(const double*, int parameter,
+                                          const LawBatch& batch) const {
+  double alone[kMaxLawParameters] = {};
+  alone[parameter] = 1.0;
+  LawBatch stress = batch;
+  stress.energy = nullptr;
+  stress.tangent[0][0] = nullptr;
+  evaluate_batch(alone, stress);
+}
+
 }  // namespace tenter::mechanics

@@ -3,10 +3,11 @@
 // five sequences; beside them the two held-out sequences, and the second specimens.
 //
 //   tenter-bench-appendix-a [--nodes=25] [--frames=20] [--threads=2] [--fabrics=4,12,14,18]
-//                           [--cord=0.1] [--json=FILE]
+//                           [--cord=0.1] [--json=FILE] [--html=FILE]
 //
 // Entries as in the thesis: N for stretch (all clips), N along the clips for shear, mm over free
 // points for bending; held out: N and mm. Rows are fitted at the same time, one thread each.
+// The page holds the plots of the nonlinear orthotropic variants: loops, bends, sheets.
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -16,6 +17,7 @@
 #include <thread>
 
 #include "server/estimation/staged/tables/variants.h"
+#include "tests/bench/staged/appendix_page.h"
 #include "tests/bench/staged/twin_rig.h"
 
 namespace {
@@ -107,12 +109,16 @@ int main(int argc, char** argv) {
   rig.frames = std::stoi(bench::argument(argc, argv, "frames", "20"));
   rig.cord_loop_N = std::stod(bench::argument(argc, argv, "cord", "0"));
   const int threads = std::stoi(bench::argument(argc, argv, "threads", "2"));
+  const std::string page_file = bench::argument(argc, argv, "html", "");
+  bench::AppendixPage page;
   const std::string file = bench::argument(argc, argv, "json", "");
   std::stringstream fabrics(bench::argument(argc, argv, "fabrics", "4,12,14,18"));
   nlohmann::json document = nlohmann::json::array();
   for (std::string fabric; std::getline(fabrics, fabric, ',');) {
     const auto training = bench::fitting_sequences(fabric, rig);
     auto others = bench::evaluation_sequences(fabric, rig);
+    auto drawn = training;
+    drawn.insert(drawn.end(), others.begin(), others.end());
     bench::RigSettings again = rig;
     again.seed = rig.seed + 1;
     for (auto&& sequences : {bench::fitting_sequences(fabric + ".2", again),
@@ -140,9 +146,24 @@ int main(int argc, char** argv) {
     work();
     for (std::thread& worker : workers) worker.join();
     print(fabric, cells);
-    for (const Cell& cell : cells) document.push_back(to_json(fabric, cell));
+    for (const Cell& cell : cells) {
+      document.push_back(to_json(fabric, cell));
+      const auto& variant = cell.row.variant;
+      if (page_file.empty() || !cell.error.empty() || !variant.is_nonlinear || variant.is_isotropic)
+        continue;
+      if (auto ok = page.add(fabric, cell.row, drawn); !ok)
+        std::fprintf(stderr, "page: %s\n", ok.error().message.c_str());
+    }
   }
   if (!file.empty()) std::ofstream(file) << document.dump(1) << "\n";
+  if (!page_file.empty()) {
+    const auto html = page.html();
+    if (!html) {
+      std::fprintf(stderr, "page: %s\n", html.error().message.c_str());
+      return 1;
+    }
+    std::ofstream(page_file) << *html;
+  }
   std::printf(
       "\n%d x %d nodes, %d frames a sequence: %.0f s with %d threads, peak memory %.0f MB\n",
       rig.nodes, rig.nodes, rig.frames, seconds_since(start), threads, bench::peak_memory_MB());

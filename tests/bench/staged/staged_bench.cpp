@@ -2,6 +2,7 @@
 // The staged fit of one twin fabric (thesis 3.4.2): time, what each stage did, memory.
 //
 //   tenter-bench-staged [--fabric=18] [--nodes=25] [--frames=40] [--threads=2] [--coupled=1]
+//                       [--early=20] [--model=cloth_springs_spline]
 #include <chrono>
 #include <cstdio>
 
@@ -36,6 +37,8 @@ int main(int argc, char** argv) {
   estimation::StagedOptions options;
   options.stage.threads = number("threads", "2");
   options.coupled = number("coupled", "1") != 0;
+  options.early_frames = number("early", "20");
+  const std::string form = bench::argument(argc, argv, "model", "cloth_stvk_spline");
   before = Clock::now();
   const bool is_verbose = number("verbose", "0") != 0;
   if (is_verbose)
@@ -45,8 +48,7 @@ int main(int argc, char** argv) {
       std::fflush(stdout);
       return true;
     };
-  const auto fit =
-      estimation::staged_fit(model::preset("cloth_stvk_spline").value(), measured, options);
+  const auto fit = estimation::staged_fit(model::preset(form).value(), measured, options);
   if (!fit) {
     std::fprintf(stderr, "%s\n", fit.error().message.c_str());
     return 1;

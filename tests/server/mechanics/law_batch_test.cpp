@@ -88,6 +88,20 @@ void compare(const model::Law& description, int strains, Numbers& numbers) {
   for (int i = 0; i < strains; ++i) EXPECT_EQ(bare.stress[i], arrays.stress[i]) << words;
   EXPECT_TRUE(std::isnan(bare.energy[0]));
   EXPECT_TRUE(std::isnan(bare.tangent[0][0][0]));
+
+  Comparison by_parameter(words + ": stress by parameter");
+  for (int p = 0; p < law.parameter_count(); ++p) {
+    law.stress_by_parameter_batch(parameters.data(), p, bare.batch(strains, false, false));
+    for (std::size_t e = 0; e < kCount; ++e) {
+      double strain[kMaxStrains] = {};
+      for (int i = 0; i < strains; ++i) strain[i] = arrays.strain[i][e];
+      LawOutput out{};
+      law.evaluate({strain, parameters.data(), state, 0.0}, out);
+      for (int i = 0; i < strains; ++i)
+        by_parameter.add(bare.stress[i][e], out.stress_by_parameter[i][p]);
+    }
+  }
+  by_parameter.judge(1e-13, may_vanish ? 0.0 : 1e-3);
 }
 
 TEST(LawBatch, AnswersAsEveryLawOfTheCatalogueDoes) {

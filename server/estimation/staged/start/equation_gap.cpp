@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "server/estimation/sequences/observations.h"
+#include "server/estimation/staged/resting_frames.h"
 #include "server/estimation/staged/start/bounded_least_squares.h"
 #include "server/estimation/staged/start/measured_shape.h"
 
@@ -28,14 +29,6 @@ struct Measured {
   std::vector<State> filled;   ///< as measured
   std::vector<State> settled;  ///< by the last model
 };
-
-/// Evenly over all, the last one with them.
-std::vector<std::size_t> even_frames(std::size_t all, int most) {
-  const std::size_t count = std::min(all, static_cast<std::size_t>(std::max(1, most)));
-  std::vector<std::size_t> frames;
-  for (std::size_t k = 1; k <= count; ++k) frames.push_back((k * all + count - 1) / count - 1);
-  return frames;
-}
 
 /// The rows of one frame, linear in the moving free numbers: A dq = b, whitened.
 class FrameRows {
@@ -270,7 +263,9 @@ Expected<GapResult> equation_gap(const model::Model& model, const ParameterTies&
     if (!shape) return tl::unexpected(shape.error());
     m.channels = std::make_unique<Observations>(*given.sequence);
     m.shape = std::make_unique<MeasuredShape>(std::move(*shape));
-    m.frames = even_frames(given.sequence->frames.size(), options.most_frames);
+    for (const int f :
+         even_frames(static_cast<int>(given.sequence->frames.size()), options.most_frames))
+      m.frames.push_back(static_cast<std::size_t>(f));
     measured.push_back(std::move(m));
   }
   return Gap(ties, options, std::move(measured)).run();

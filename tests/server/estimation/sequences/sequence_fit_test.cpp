@@ -39,6 +39,33 @@ TEST(SequenceFit, JacobianFollowsWholeSolves) {
   }
 }
 
+TEST(SequenceFit, TheJacobianBySomeParametersIsThatByAllOfThem) {
+  const Eigen::VectorXd at = 1.1 * true_values();
+  SequenceOptions options;
+  auto all = SequenceEvaluator::make(cloth_model(at), measured_sequences(3), options).value();
+  options.moving = {1, 4};
+  auto some = SequenceEvaluator::make(cloth_model(at), measured_sequences(3), options).value();
+  Eigen::VectorXd residuals, of_some;
+  RowMatrix by_all, by_some;
+  ASSERT_EQ(all.evaluate(at, residuals, &by_all), mechanics::PathStatus::ok);
+  ASSERT_EQ(some.evaluate(at, of_some, &by_some), mechanics::PathStatus::ok);
+  EXPECT_EQ(residuals, of_some);
+  EXPECT_GT(by_all.col(0).norm(), 0.0);
+  for (Eigen::Index p = 0; p < at.size(); ++p) {
+    if (p == 1 || p == 4)
+      EXPECT_LT((by_some.col(p) - by_all.col(p)).norm(), 1e-12 * by_all.col(p).norm()) << p;
+    else
+      EXPECT_EQ(by_some.col(p).norm(), 0.0) << p;
+  }
+  // the next evaluation starts where these two move it
+  Eigen::VectorXd moved = at;
+  moved[1] *= 1.01;
+  moved[4] *= 0.99;
+  ASSERT_EQ(all.evaluate(moved, residuals, nullptr), mechanics::PathStatus::ok);
+  ASSERT_EQ(some.evaluate(moved, of_some, nullptr), mechanics::PathStatus::ok);
+  EXPECT_LT((residuals - of_some).norm(), 1e-5 * residuals.norm());
+}
+
 TEST(SequenceFit, FindsTheParametersThatWereHidden) {
   Eigen::VectorXd start(6);
   start << 70.0, 50.0, 15.0, 1e-4, 4e-4, 1.5e-4;

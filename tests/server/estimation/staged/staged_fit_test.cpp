@@ -9,6 +9,7 @@
 
 #include "common/model/document.h"
 #include "common/model/presets.h"
+#include "server/estimation/staged/tables/scenario_residual.h"
 #include "server/mechanics/law.h"
 #include "tests/server/estimation/staged/small_rig.h"
 
@@ -194,6 +195,69 @@ TEST(StagedFit, SaysWhatItLeftOut) {
   EXPECT_EQ(fit->stages[1].dropped.size(), 4U);
   EXPECT_FALSE(fit->stages[1].message.empty());
   EXPECT_EQ(stage_of(*fit, "shear").message, "there is no sequence");
+}
+
+TEST(StagedFit, PutsBackAStageThatIsWorseForAllSequencesTogether) {
+  // one specimen's weft is ten times as stiff as the other's, whose sequence counts for more: a
+  // stage that sees the first alone ruins the second
+  model::Model soft = model::preset("cloth_stvk").value();
+  const std::vector<double> hidden = {45.0, 80.0, 9.0, 2e-5, 6e-5, 3e-5};
+  for (std::size_t k = 0; k < hidden.size(); ++k) parameters_of(soft)[k]->value = hidden[k];
+  model::Model stiff = soft;
+  parameters_of(stiff)[0]->value = 450.0;
+  RigOptions rig;
+  rig.frames = 4;
+  RoleSequence other = measured_in_rig(Role::stretch_u, soft, rig);
+  other.role = Role::stretch_v;
+  other.sequence.weight = 100.0;
+  StagedOptions options = with_threads(1);
+  options.repeat = options.coupled = options.stage.first_guess = false;
+  for (const bool agree : {false, true}) {
+    const model::Model& first = agree ? soft : stiff;
+    const std::vector<RoleSequence> measured = {measured_in_rig(Role::stretch_u, first, rig),
+                                                other};
+    model::Model start = soft;
+    parameters_of(start)[0]->value = 50.0;
+    const auto fit = staged_fit(start, measured, options);
+    ASSERT_TRUE(fit) << fit.error().message;
+    const StageRecord& stage = stage_of(*fit, "stretch_u");
+    EXPECT_LT(stage.cost_after, 0.1 * stage.cost_at_start);  // better by itself in both
+    EXPECT_EQ(stage.done, agree) << stage.message;
+    const double weft = fit->model.terms[0].law.parameters[0].value;
+    if (agree) {
+      EXPECT_NEAR(weft, 45.0, 0.5);
+    } else {
+      EXPECT_EQ(weft, 50.0);
+      EXPECT_EQ(stage.message.rfind("put back: the cost over all sequences rose", 0), 0U);
+    }
+  }
+}
+
+TEST(StagedFit, SpringsTwoNodesApartAreFittedWithTheStretchThatTheyTakePartIn) {
+  const auto springs = model::preset("cloth_springs").value();
+  model::Model truth = springs;
+  for (model::Parameter* p : parameters_of(truth)) p->value *= 3.0;
+  const auto measured = measured_in_rig(truth, {});
+  int along = 0;
+  for (const auto& wave : plan_stages(springs, measured, {}))
+    for (const StageTask& task : wave) {
+      if (task.name.rfind("bend_u", 0) != 0) continue;
+      EXPECT_EQ(task.along, terms_of(springs, Component::stretch_u));
+      ASSERT_EQ(task.sequences.size(), 2U);
+      EXPECT_EQ(task.sequences[1].role, Role::stretch_u);
+      ++along;
+    }
+  EXPECT_EQ(along, 2);
+  StagedOptions options = with_threads(2);
+  options.repeat = options.coupled = false;
+  const auto fit = staged_fit(springs, measured, options);
+  ASSERT_TRUE(fit) << fit.error().message;
+  for (const Role role : {Role::stretch_u, Role::stretch_v}) {
+    const auto pulled = scenario_residual(fit->model, measured[role == Role::stretch_u ? 0 : 1]);
+    const auto before = scenario_residual(springs, measured[role == Role::stretch_u ? 0 : 1]);
+    ASSERT_TRUE(pulled && before);
+    EXPECT_LT(pulled->force_N, 0.5 * before->force_N);
+  }
 }
 
 TEST(StagedFit, StopsWhenAsked) {

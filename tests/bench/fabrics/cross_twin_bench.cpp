@@ -181,8 +181,8 @@ Expected<std::vector<TwoGrids>> make_twins(const twin::Fabric& cloth, int nodes,
     std::printf("  %-14s made in %5.1f s: %d unknowns, %d steps of Newton's method\n", name.c_str(),
                 seconds() - begin, made->front().unknowns, made->front().iterations);
     std::fflush(stdout);
-    TwoGrids& twin =
-        twins.emplace_back(std::move((*made)[0].sequence), std::move((*made)[1].sequence));
+    twins.push_back({std::move((*made)[0].sequence), std::move((*made)[1].sequence)});
+    TwoGrids& twin = twins.back();
     twin::add_rig_noise({}, random, twin.coarse);
     for (std::size_t f = 0; f < twin.coarse.frames.size(); ++f) {
       twin.fine.frames[f].points_m = twin.coarse.frames[f].points_m;

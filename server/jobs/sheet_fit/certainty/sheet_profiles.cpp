@@ -45,8 +45,9 @@ Expected<std::vector<Profile>> sheet_profiles(const model::Model& model, const S
   };
   estimation::FitOptions options;
   options.loss = found.options.loss;
-  options.max_iterations = 15;
-  options.tolerance = 1e-4;
+  // a start that is not quite the optimum would be taken for a second basin
+  options.max_iterations = 40;
+  options.tolerance = 1e-8;
   options.on_iteration = [&](int, double) { return !stop.stop_requested(); };
   const auto evaluator = make_with(effort.threads);
   if (!evaluator) return all;

@@ -87,7 +87,7 @@ TEST(SheetReport, TextSaysErrorsStagesAndWarnings) {
   for (const char* words :
        {"The fit misses forces by 3.3\u202fmN", "Fit of 4 captures of a sheet with cloth_stvk",
         "41\u202fmN -> 6.2\u202fmN", "[HELD OUT]", "1 frames dropped", "stretch u", "not done",
-        "WARNING", "Frames dropped"})
+        "WARNING", "Frames dropped", "one sided", "above 0.125"})
     EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << text;
 }
 

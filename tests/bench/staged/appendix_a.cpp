@@ -165,7 +165,9 @@ int main(int argc, char** argv) {
     std::ofstream(page_file) << *html;
   }
   std::printf(
-      "\n%d x %d nodes, %d frames a sequence: %.0f s with %d threads, peak memory %.0f MB\n",
-      rig.nodes, rig.nodes, rig.frames, seconds_since(start), threads, bench::peak_memory_MB());
+      "\n%d x %d nodes, %d frames a sequence: %.0f s with %d threads (%.0f CPU seconds), peak "
+      "memory %.0f MB\n",
+      rig.nodes, rig.nodes, rig.frames, seconds_since(start), threads, bench::cpu_seconds(),
+      bench::peak_memory_MB());
   return 0;
 }

@@ -34,7 +34,7 @@ class Shown {
     double widest = 0.0;
     for (int c = 0; c < channels_.count(); ++c) {
       if (channels_.kind(sequence_, c) != ObservationKind::force) continue;
-      double lo = 0.0, hi = 0.0;
+      double lo = 1e300, hi = -1e300;
       for (const int f : found_.resting) {
         const double value = channels_.measured(frame(f), c);
         lo = std::min(lo, value);
@@ -176,6 +176,15 @@ class Shown {
   estimation::RestingFrames found_;
 };
 
+/// Of the first specimen, which stands before the second.
+json error_of(const estimation::AppendixRow& row, const std::string& sequence, bool of_forces) {
+  for (const auto* list : {&row.training, &row.others})
+    for (const estimation::ScenarioResidual& r : *list)
+      if (r.sequence == sequence && (of_forces ? r.force_rows : r.points) > 0)
+        return {{"rms_after", of_forces ? r.force_N : 1e-3 * r.position_mm}};
+  return nullptr;
+}
+
 }  // namespace
 
 Expected<void> AppendixPage::add(const std::string& fabric, const estimation::AppendixRow& row,
@@ -191,7 +200,9 @@ Expected<void> AppendixPage::add(const std::string& fabric, const estimation::Ap
                          {"title", id},
                          {"synthetic", true},
                          {"held_out", s.role == Role::evaluation},
-                         {"frames", found->resting.size()}});
+                         {"frames", found->resting.size()},
+                         {"position", error_of(row, s.sequence.name, false)},
+                         {"force", error_of(row, s.sequence.name, true)}});
     const Shown shown(id, s.role, s.sequence, std::move(*found));
     const bool is_bent = s.role == Role::bend_u || s.role == Role::bend_v;
     if (json figure = is_bent ? shown.profile() : shown.loop(); !figure.is_null())

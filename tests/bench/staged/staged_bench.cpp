@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
   options.early_frames = number("early", "20");
   const std::string form = bench::argument(argc, argv, "model", "cloth_stvk_spline");
   before = Clock::now();
+  const double cpu_before = bench::cpu_seconds();
   const bool is_verbose = number("verbose", "0") != 0;
   if (is_verbose)
     options.stage.on_progress = [&](const estimation::StageProgress& p) {
@@ -54,6 +55,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   const double seconds = seconds_since(before);
+  const double cpu_seconds = bench::cpu_seconds() - cpu_before;
   std::printf(
       "stage            rows   cost/rows: start     guess       fit   points  iterations  "
       "dropped  not free\n");
@@ -72,7 +74,7 @@ int main(int argc, char** argv) {
     for (const model::Parameter& p : term.law.parameters) std::printf("  %.4g", p.value);
     std::printf("\n");
   }
-  std::printf("staged fit: %.1f s with %d threads, peak memory %.0f MB\n", seconds,
-              options.stage.threads, bench::peak_memory_MB());
+  std::printf("staged fit: %.1f s with %d threads (%.1f CPU seconds), peak memory %.0f MB\n",
+              seconds, options.stage.threads, cpu_seconds, bench::peak_memory_MB());
   return 0;
 }

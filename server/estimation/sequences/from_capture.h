@@ -10,8 +10,8 @@
 // Mesh. A grid over the specimen's rectangle of material (inside of an outline that is none, an
 // irregular mesh of as many nodes), or the capture's own mesh. Clips clamp
 // the nodes inside their region; where the capture names vertices, the nodes between those. A
-// support holds the nodes beyond its edge and the line of nodes before it, frame by frame. Clamped and held nodes lie where the
-// poses put them, flat and as at rest.
+// support holds the nodes beyond its edge and the line of nodes before it, frame by frame. Clamped
+// and held nodes lie where the poses put them, flat and as at rest.
 //
 // Forces. The cords of a prescribed clip measure its force in the directions that they span: one
 // channel along the first cord, one along what the next one adds at right angles, and so on; or

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -56,7 +57,7 @@ class Compliance {
     if (normals_.cols() > 0) {
       Eigen::MatrixXd along = normals_.transpose() * by_unknown_;
       along.bottomRows(limits) -= limits_change;
-      const Eigen::MatrixXd held = conditions_.solve(along);
+      const Eigen::MatrixXd held = conditions_->solve(along);
       by_unknown_ -= answers_ * held;
       multiplier = held.bottomRows(limits);
     }
@@ -72,6 +73,10 @@ class Compliance {
   Compliance(EquilibriumSolver& solver, const State& state, ActiveLimits limits)
       : solver_(solver), state_(state), limits_(std::move(limits)) {
     const std::vector<Contact::Touch> touches = solver.contact().touches(state.x);
+    if (limits_.entry.empty()) {  // none, but of the sizes that products with them have
+      limits_.by_x.setZero(state.x.size(), 0);
+      limits_.by_parameter.setZero(0, solver.model().parameter_count());
+    }
     const auto touching = static_cast<Eigen::Index>(touches.size());
     const Eigen::Index count = touching + limits_.by_x.cols();
     if (count == 0) return;
@@ -91,14 +96,14 @@ class Compliance {
     }
     answers_.resize(unknowns.count(), count);
     solver.factor()->solve(normals_.data(), answers_.data(), static_cast<int>(count));
-    conditions_.compute(normals_.transpose() * answers_);
+    conditions_.emplace(normals_.transpose() * answers_);
   }
 
   EquilibriumSolver& solver_;
   const State& state_;
   ActiveLimits limits_;
-  Eigen::MatrixXd normals_, answers_;        ///< N, of touching nodes first, and K^-1 N
-  Eigen::LDLT<Eigen::MatrixXd> conditions_;  ///< of N' K^-1 N
+  Eigen::MatrixXd normals_, answers_;  ///< N, of touching nodes first, and K^-1 N
+  std::optional<Eigen::LDLT<Eigen::MatrixXd>> conditions_;  ///< of N' K^-1 N
   Eigen::MatrixXd by_unknown_;
 };
 

@@ -9,7 +9,6 @@ namespace tenter::mechanics::testing {
 namespace {
 
 TEST(Allocations, StepsTakeNothingFromTheHeap) {
-  if (!test::counts_allocations()) GTEST_SKIP() << "a sanitizer's allocator counts for itself";
   const Grid grid{13, 13, 0.1, 0.1};
   const Sheet sheet(cloth_of_grid(grid, Diagonals::alternating).value(),
                     preset_with("cloth_stvk", {}));
@@ -41,6 +40,7 @@ TEST(Allocations, StepsTakeNothingFromTheHeap) {
     taken(30, minimiser);
     const long few = taken(3, minimiser);
     EXPECT_EQ(taken(30, minimiser), few) << static_cast<int>(minimiser);
+    EXPECT_GT(few, 0) << "the counter counts";
     EXPECT_LT(few, 100);
   }
 }

@@ -5,13 +5,12 @@
 //   ...
 //   EXPECT_EQ(allocations(), before);
 //
-// Linking count_allocations.cpp puts a counter in front of the C library's allocator. Under the
-// address and thread sanitizers, which bring their own, nothing is counted: counts_allocations().
+// Linking count_allocations.cpp puts a counter in front of the C library's allocator, or has that
+// of the address or thread sanitizer tell.
 #pragma once
 
 namespace tenter::mechanics::test {
 
-bool counts_allocations();
 long allocations();  ///< of this thread since it began
 
 }  // namespace tenter::mechanics::test

@@ -35,7 +35,7 @@ struct ResidualTable {
   std::vector<int> block;   ///< number of the block, from 0, in the order of the capture
   std::vector<int> branch;  ///< 0 load, 1 unload, 2 hold, 3 other
   std::vector<double> time_s;
-  std::vector<double> displacement_m;  ///< of the clip since the first frame; may be empty
+  std::vector<double> displacement_m;  ///< of the clip since the first frame, signed; may be empty
   std::vector<double> strain_x;        ///< stretch_x - 1, as the evaluation took it
   std::vector<double> strain_y;        ///< NaN where neither measured nor solved for
   std::vector<double> strain_xy;       ///< amount of shear

@@ -12,10 +12,10 @@
 #include "server/estimation/staged/splines/strain_histogram.h"
 #include "server/jobs/sheet_fit/certainty/optimum.h"
 #include "server/jobs/sheet_fit/certainty/sheet_profiles.h"
-#include "server/jobs/sheet_fit/live_progress.h"
-#include "server/jobs/sheet_fit/sheet_document.h"
-#include "server/jobs/sheet_fit/sheet_residuals.h"
-#include "server/jobs/sheet_fit/stage_checkpoint.h"
+#include "server/jobs/sheet_fit/progress/live_progress.h"
+#include "server/jobs/sheet_fit/document/sheet_document.h"
+#include "server/jobs/sheet_fit/document/sheet_residuals.h"
+#include "server/jobs/sheet_fit/progress/stage_checkpoint.h"
 
 namespace tenter::jobs {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/sheet_fit/stage_checkpoint.h"
+#include "server/jobs/sheet_fit/progress/stage_checkpoint.h"
 
 #include <nlohmann/json.hpp>
 
 #include "common/base/atomic_write.h"
 #include "common/base/sha256.h"
 #include "common/base/text_file.h"
-#include "server/jobs/sheet_fit/stage_json.h"
+#include "server/jobs/sheet_fit/progress/stage_json.h"
 
 namespace tenter::jobs {
 namespace {

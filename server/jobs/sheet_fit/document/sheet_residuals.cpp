@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/sheet_fit/sheet_residuals.h"
+#include "server/jobs/sheet_fit/document/sheet_residuals.h"
 
 #include <cmath>
+
+#include "server/jobs/sheet_fit/document/clip_travel.h"
 
 namespace tenter::jobs {
 namespace {
 
 using estimation::Sequence;
-
-/// Distance of the clip from where it was in the first frame.
-double displacement(const Sequence& sequence, std::size_t frame, std::size_t clip) {
-  return (sequence.frames[frame].clips[clip].position_m -
-          sequence.frames.front().clips[clip].position_m)
-      .norm();
-}
 
 report::ResidualTable force_table(const SheetInput& input, std::size_t channel,
                                   const Prediction& before, const Prediction& after) {
@@ -29,6 +24,7 @@ report::ResidualTable force_table(const SheetInput& input, std::size_t channel,
     if (sequence.forces[k].clip == force.clip)
       table.channel = sequence.boundaries.front().clips[clip].id + "_" + std::to_string(channel);
   table.unit = "N";
+  table.displacement_m = clip_travel(sequence, clip).along_m;
   for (std::size_t f = 0; f < sequence.frames.size(); ++f) {
     const std::size_t captured = input.captured.frame[f];
     const auto at = static_cast<Eigen::Index>(f);
@@ -38,7 +34,6 @@ report::ResidualTable force_table(const SheetInput& input, std::size_t channel,
     table.block.push_back(sequence.frames[f].block);
     table.branch.push_back(static_cast<int>(input.capture.branch[captured]));
     if (!input.capture.time_s.empty()) table.time_s.push_back(input.capture.time_s[captured]);
-    table.displacement_m.push_back(displacement(sequence, f, clip));
     for (std::vector<double>* strain : {&table.strain_x, &table.strain_y, &table.strain_xy})
       strain->push_back(std::nan(""));
     table.measured.push_back(sequence.frames[f].forces_N[static_cast<Eigen::Index>(channel)]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/sheet_fit/sheet_document.h"
+#include "server/jobs/sheet_fit/document/sheet_document.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 #include "common/model/export/term_curve.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/uncertainty/caveats.h"
-#include "server/jobs/sheet_fit/sheet_figures.h"
-#include "server/jobs/sheet_fit/stage_json.h"
+#include "server/jobs/sheet_fit/document/sheet_figures.h"
+#include "server/jobs/sheet_fit/progress/stage_json.h"
 
 namespace tenter::jobs {
 namespace {

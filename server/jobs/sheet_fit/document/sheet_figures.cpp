@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/sheet_fit/sheet_figures.h"
+#include "server/jobs/sheet_fit/document/sheet_figures.h"
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "server/estimation/sequences/material/material_locator.h"
-#include "server/jobs/sheet_fit/sheet_residuals.h"
+#include "server/jobs/sheet_fit/document/clip_travel.h"
+#include "server/jobs/sheet_fit/document/sheet_residuals.h"
 
 namespace tenter::jobs {
 namespace {
@@ -45,7 +46,7 @@ json series(const report::ResidualTable& table, int block, const char* role,
           {"y", y}};
 }
 
-json loop(const report::ResidualTable& table) {
+json loop(const report::ResidualTable& table, const std::string& travel) {
   json all = json::array();
   const int blocks =
       table.block.empty() ? 0 : 1 + *std::max_element(table.block.begin(), table.block.end());
@@ -59,7 +60,7 @@ json loop(const report::ResidualTable& table) {
   return {{"kind", "loop"},
           {"capture", table.capture_id},
           {"title", "Force, " + table.channel},
-          {"x", {{"name", "displacement of the clip"}, {"unit", "m"}}},
+          {"x", {{"name", travel}, {"unit", "m"}}},
           {"y", {{"name", "force"}, {"unit", "N"}}},
           {"series", all}};
 }
@@ -191,10 +192,14 @@ class MeshPicture {
 
 json sheet_figures(const SheetFindings& found) {
   json list = json::array();
-  for (const report::ResidualTable& table : sheet_residual_tables(found)) {
-    json figure = loop(table);
-    if (!figure["series"].empty()) list.push_back(std::move(figure));
-  }
+  const std::vector<report::ResidualTable> tables = sheet_residual_tables(found);
+  auto table = tables.begin();
+  for (const SheetInput& input : found.inputs)
+    for (const estimation::ForceChannel& force : input.sequence().forces) {
+      const auto clip = static_cast<std::size_t>(force.clip);
+      json figure = loop(*table++, clip_travel(input.sequence(), clip).words);
+      if (!figure["series"].empty()) list.push_back(std::move(figure));
+    }
   for (std::size_t i = 0; i < found.inputs.size(); ++i)
     if (json figure = position_errors(found, i); !figure.is_null())
       list.push_back(std::move(figure));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/sheet_fit/stage_json.h"
+#include "server/jobs/sheet_fit/progress/stage_json.h"
 
 #include <array>
 #include <cmath>

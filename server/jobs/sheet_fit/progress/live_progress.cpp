@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/sheet_fit/live_progress.h"
+#include "server/jobs/sheet_fit/progress/live_progress.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-constexpr auto kSilence = std::chrono::milliseconds(2000);
+constexpr auto kPieceSilence = std::chrono::milliseconds(2000);
 
 class Download {
  public:
@@ -167,7 +167,7 @@ Expected<bool> Download::fetch() {
     {
       std::unique_lock lock(mutex_);
       const bool came =
-          arrived_.wait_for(lock, stop_, kSilence, [this] { return !pieces_.empty(); });
+          arrived_.wait_for(lock, stop_, kPieceSilence, [this] { return !pieces_.empty(); });
       if (stop_.stop_requested()) return fail(ErrorKind::cancelled, "the download was stopped");
       if (!came) return false;
       piece = std::move(pieces_.front());

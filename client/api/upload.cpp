@@ -29,7 +29,7 @@ namespace {
 constexpr std::uint64_t kHashFirst = 8u << 20;
 constexpr double kLookAfter = 0.5;      // seconds of sending, before how fast it is can be said
 constexpr double kHashBytesPerS = 1e9;  // at least
-constexpr auto kSilence = std::chrono::milliseconds(1500);  // without an acknowledgement: ask
+constexpr auto kAckSilence = std::chrono::milliseconds(1500);  // without an acknowledgement: ask
 
 class Upload {
  public:
@@ -221,7 +221,7 @@ Expected<Upload::Step> Upload::send() {
     if (!*chunk) break;
     {
       std::unique_lock lock(mutex_);
-      const bool room = acked_.wait_for(lock, stop_, kSilence,
+      const bool room = acked_.wait_for(lock, stop_, kAckSilence,
                                         [&] { return status_ != 0 || in_flight() < credit_; });
       if (stop_.stop_requested()) return tl::unexpected(stopped());
       if (!room || status_ != 0) break;  // ask where we are
@@ -238,7 +238,7 @@ Expected<Upload::Step> Upload::send() {
   std::uint64_t seen = written_;
   while (status_ == 0 && written_ < chunks_) {
     const bool news =
-        acked_.wait_for(lock, stop_, kSilence, [&] { return status_ != 0 || written_ != seen; });
+        acked_.wait_for(lock, stop_, kAckSilence, [&] { return status_ != 0 || written_ != seen; });
     if (stop_.stop_requested()) return tl::unexpected(stopped());
     if (!news) break;
     seen = written_;

@@ -15,7 +15,7 @@ struct Row {
 };
 
 using Role = AxisState::Role;
-using Source = AxisState::Source;
+using AxisSource = AxisState::Source;
 using Reference = AxisState::Reference;
 using History = Protocol::History;
 
@@ -33,8 +33,8 @@ constexpr Row<Role> kRoles[] = {{Role::prescribed, "prescribed"},
                                 {Role::observed, "observed"},
                                 {Role::free, "free"},
                                 {Role::fixed, "fixed"}};
-constexpr Row<Source> kSources[] = {
-    {Source::none, "none"}, {Source::channel, "channel"}, {Source::points, "points"}};
+constexpr Row<AxisSource> kSources[] = {
+    {AxisSource::none, "none"}, {AxisSource::channel, "channel"}, {AxisSource::points, "points"}};
 constexpr Row<Reference> kReferences[] = {
     {Reference::given, "given"},
     {Reference::first_frame_of_capture, "first_frame_of_capture"},
@@ -57,7 +57,7 @@ std::span<const Row<Role>> rows() {
   return kRoles;
 }
 template <>
-std::span<const Row<Source>> rows() {
+std::span<const Row<AxisSource>> rows() {
   return kSources;
 }
 template <>
@@ -102,7 +102,7 @@ std::string words() {
 TENTER_VOCABULARY(Quantity)
 TENTER_VOCABULARY(Branch)
 TENTER_VOCABULARY(Role)
-TENTER_VOCABULARY(Source)
+TENTER_VOCABULARY(AxisSource)
 TENTER_VOCABULARY(Reference)
 TENTER_VOCABULARY(History)
 #undef TENTER_VOCABULARY

@@ -166,14 +166,14 @@ void green_fibre(const Vector6d& z, const Vector6d& weights, SolidStrainValue& o
   linear_in_z(z, 0.5 * weights, -0.5, 0, out);
 }
 
-struct Row {
+struct SolidRow {
   std::string_view name;
   int count;
   bool is_linear;
   SolidStrain::Function function;
 };
 
-constexpr Row kRows[] = {
+constexpr SolidRow kSolidRows[] = {
     {"solid_green_xx", 1, true, green<0>},
     {"solid_green_yy", 1, true, green<1>},
     {"solid_green_zz", 1, true, green<2>},
@@ -199,7 +199,7 @@ constexpr Row kRows[] = {
 }  // namespace
 
 Expected<SolidStrain> SolidStrain::make(const model::StrainMeasure& description) {
-  for (const Row& row : kRows) {
+  for (const SolidRow& row : kSolidRows) {
     if (row.name != description.name) continue;
     SolidStrain measure;
     measure.function_ = row.function;

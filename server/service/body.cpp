@@ -52,7 +52,7 @@ json id_list(const std::vector<jobs::JobId>& ids) {
   return list;
 }
 
-json to_json(const jobs::JobProgress& progress) {
+json progress_json(const jobs::JobProgress& progress) {
   return {{"stage", progress.stage},
           {"detail", progress.detail},
           {"iteration", progress.iteration},
@@ -169,7 +169,7 @@ json to_json(const jobs::JobRecord& job) {
               {"result_sha256", or_null(job.result_sha256)},
               {"residuals_sha256", or_null(job.residuals_sha256)},
               {"frames_sha256", or_null(job.frames_sha256)},
-              {"progress", job.progress ? to_json(*job.progress) : json()},
+              {"progress", job.progress ? progress_json(*job.progress) : json()},
               {"error", json()}};
   if (job.error)
     out["error"] = {{"kind", jobs::name_of(job.error->kind)}, {"message", job.error->message}};

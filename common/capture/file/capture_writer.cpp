@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <limits>
 
+#include "common/base/not_a_number.h"
 #include "common/capture/file/capture_file.h"
 #include "common/capture/file/layout.h"
 #include "common/capture/sheet/sheet_file.h"
@@ -14,8 +14,6 @@ namespace {
 
 using h5::H5Writer;
 using namespace layout;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// The axis that a viewer draws the signal over: what drives the test, else time, else the frame
 /// number.

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <set>
 #include <unordered_map>
 
+#include "common/base/not_a_number.h"
 #include "common/base/text_file.h"
 #include "common/capture/csv/branch_detection.h"
 #include "common/capture/csv/csv_import_table.h"
@@ -23,7 +23,6 @@ namespace {
 
 constexpr std::size_t kMaxDescriptionBytes = 16000000;
 constexpr double kFlatness = 1e-5;  // of its extent
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// The import of one sheet, step by step; each step fills one part of the capture.
 class SheetImport {

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/not_a_number.h"
+
 namespace tenter::capture {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// The pose that undoes `pose`: with it as grip, material lies at (u, v, 0) when the clip is there.
 RigidPose inverse(const RigidPose& pose) {

@@ -9,10 +9,10 @@
 namespace tenter::estimation {
 namespace {
 
-class Search {
+class LineSearchFit {
  public:
-  Search(Objective& objective, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
-         const GaussNewtonOptions& options, Eigen::VectorXd& x)
+  LineSearchFit(Objective& objective, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
+                const GaussNewtonOptions& options, Eigen::VectorXd& x)
       : objective_(objective), lower_(lower), upper_(upper), options_(options), x_(x) {}
 
   GaussNewtonResult run() {
@@ -138,7 +138,7 @@ std::string describe(GaussNewtonEnd end) {
 GaussNewtonResult minimise_by_gauss_newton(Objective& objective, const Eigen::VectorXd& lower,
                                            const Eigen::VectorXd& upper,
                                            const GaussNewtonOptions& options, Eigen::VectorXd& x) {
-  return Search(objective, lower, upper, options, x).run();
+  return LineSearchFit(objective, lower, upper, options, x).run();
 }
 
 }  // namespace tenter::estimation

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 
+#include "common/base/not_a_number.h"
 #include "server/estimation/sequences/material/captured_material.h"
 #include "server/estimation/sequences/material/material_locator.h"
 #include "server/estimation/sequences/material/measured_state.h"
@@ -18,8 +18,6 @@ namespace {
 using capture::Capture;
 using capture::CordTrack;
 using capture::Sheet;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Eigen::Vector3d vector_of(const capture::Vec3& v) {
   return {v[0], v[1], v[2]};

@@ -12,9 +12,9 @@
 #include "server/estimation/staged/splines/strain_histogram.h"
 #include "server/jobs/sheet_fit/certainty/optimum.h"
 #include "server/jobs/sheet_fit/certainty/sheet_profiles.h"
-#include "server/jobs/sheet_fit/progress/live_progress.h"
 #include "server/jobs/sheet_fit/document/sheet_document.h"
 #include "server/jobs/sheet_fit/document/sheet_residuals.h"
+#include "server/jobs/sheet_fit/progress/live_progress.h"
 #include "server/jobs/sheet_fit/progress/stage_checkpoint.h"
 
 namespace tenter::jobs {

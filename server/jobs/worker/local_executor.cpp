@@ -26,17 +26,6 @@ namespace {
 
 using std::chrono::steady_clock;
 
-struct Worker {
-  WorkOrder order;
-  pid_t pid = 0;
-  FileDescriptor process;  // readable when it has ended
-  FileDescriptor pipe;
-  std::string buffer;
-  steady_clock::time_point deadline;
-  WorkerEnd end;
-  std::optional<steady_clock::time_point> kill_at;
-};
-
 // glibc 2.36 declares pidfd_open for C only
 int open_process(pid_t pid) {
   return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
@@ -132,6 +121,17 @@ class LocalExecutor::Supervisor {
   }
 
  private:
+  struct Worker {
+    WorkOrder order;
+    pid_t pid = 0;
+    FileDescriptor process;  // readable when it has ended
+    FileDescriptor pipe;
+    std::string buffer;
+    steady_clock::time_point deadline;
+    WorkerEnd end;
+    std::optional<steady_clock::time_point> kill_at;
+  };
+
   void ring() {
     const std::uint64_t one = 1;
     [[maybe_unused]] const auto written = ::write(wake_.get(), &one, sizeof one);

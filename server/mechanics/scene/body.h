@@ -31,6 +31,10 @@ struct SceneBody {
   int node_count() const { return static_cast<int>(material_m.cols()); }
 };
 
+inline Eigen::Vector3d vector3(const scene::Vec3& v) {
+  return {v[0], v[1], v[2]};
+}
+
 /// bad_input: what the mesh's maker or reader says, begun with "mesh: ".
 Expected<SceneBody> make_body(const scene::Scene& scene);
 

@@ -5,12 +5,10 @@
 #include <string>
 #include <utility>
 
+#include "server/mechanics/scene/body.h"
+
 namespace tenter::mechanics {
 namespace {
-
-Eigen::Vector3d vector3(const scene::Vec3& v) {
-  return {v[0], v[1], v[2]};
-}
 
 /// Ids are known: validate() has seen to it.
 template <class List>

@@ -13,10 +13,6 @@ using scene::Selection;
 
 constexpr double kClose = 1e-9;  // of the material's extent
 
-Eigen::Vector3d vector3(const scene::Vec3& v) {
-  return {v[0], v[1], v[2]};
-}
-
 struct Material {
   const Eigen::Matrix3Xd& places;
   int coordinates;

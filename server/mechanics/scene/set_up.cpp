@@ -11,10 +11,6 @@
 namespace tenter::mechanics {
 namespace {
 
-Eigen::Vector3d vector3(const scene::Vec3& v) {
-  return {v[0], v[1], v[2]};
-}
-
 std::string at(const std::string& list, std::size_t index) {
   return list + "[" + std::to_string(index) + "]";
 }

@@ -6,30 +6,15 @@
 #include <regex>
 
 #include "tests/common/report/fixture_result.h"
+#include "tests/common/report/page_checks.h"
 
 namespace tenter::report {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t n = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
-  return n;
-}
-
-std::string page_of(const Json& result) {
-  return render_html(result.dump()).value();
-}
-
-/// Puts `text` in place of every string of the document except the few that steer the report.
-void poison(Json& value, const std::string& text) {
-  if (value.is_string()) value = text;
-  if (value.is_structured())
-    for (auto& [key, child] : value.items())
-      if (key != "schema" && key != "kind" && key != "role" && key != "verdict" && key != "level")
-        poison(child, text);
-}
+using fixture::count;
+using fixture::Json;
+using fixture::page_of;
+using fixture::poison;
 
 TEST(HtmlReport, ShowsEveryPartOfTheResult) {
   const std::string page = page_of(fixture::result());

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "common/base/not_a_number.h"
 #include "tests/server/estimation/fixtures.h"
 
 namespace tenter::estimation {
@@ -16,8 +16,6 @@ using capture::AxisState;
 using capture::Quantity;
 using testing::loop_capture;
 using testing::LoopPlan;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Curves curves_of(const capture::Capture& capture) {
   auto curves = make_curves(capture, "id");

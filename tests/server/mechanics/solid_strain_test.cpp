@@ -22,11 +22,11 @@ using testing::random_rotation;
 using testing::random_solid;
 using testing::z_of;
 
-constexpr double kAngle = 0.6;
+constexpr double kAzimuth = 0.6;
 constexpr double kElevation = -0.4;
 
-SolidStrain measure_of(std::string_view name) {
-  const auto measure = SolidStrain::make({std::string(name), kAngle, kElevation});
+SolidStrain solid_measure_of(std::string_view name) {
+  const auto measure = SolidStrain::make({std::string(name), kAzimuth, kElevation});
   EXPECT_TRUE(measure) << name;
   return *measure;
 }
@@ -49,13 +49,13 @@ const Vector6d kRest = (Vector6d() << 1.0, 1.0, 1.0, 0.0, 0.0, 0.0).finished();
 
 TEST(SolidStrain, EveryRowOfTheCatalogueHasOne) {
   for (const model::StrainRow& row : solid_rows())
-    EXPECT_EQ(measure_of(row.name).count(), row.strains) << row.name;
+    EXPECT_EQ(solid_measure_of(row.name).count(), row.strains) << row.name;
   EXPECT_FALSE(SolidStrain::make({"green_u", 0.0, 0.0}));
 }
 
 TEST(SolidStrain, VanishesAtRest) {
   for (const model::StrainRow& row : solid_rows()) {
-    const SolidStrainValue rest = value_at(measure_of(row.name), kRest);
+    const SolidStrainValue rest = value_at(solid_measure_of(row.name), kRest);
     for (int i = 0; i < row.strains; ++i) EXPECT_NEAR(rest.value[i], 0.0, 1e-15) << row.name;
   }
 }
@@ -63,7 +63,7 @@ TEST(SolidStrain, VanishesAtRest) {
 TEST(SolidStrain, DerivativesAreThoseOfTheValue) {
   constexpr double kStep = 1e-4;
   for (const model::StrainRow& row : solid_rows()) {
-    const SolidStrain measure = measure_of(row.name);
+    const SolidStrain measure = solid_measure_of(row.name);
     Numbers numbers(1);
     Comparison first(std::string(row.name) + " by z");
     Comparison second(std::string(row.name) + " by z, twice");
@@ -98,7 +98,7 @@ TEST(SolidStrain, DerivativesAreThoseOfTheValue) {
 
 TEST(SolidStrain, DoesNotSeeRotations) {
   for (const model::StrainRow& row : solid_rows()) {
-    const SolidStrain measure = measure_of(row.name);
+    const SolidStrain measure = solid_measure_of(row.name);
     Numbers numbers(2);
     Comparison compared(std::string(row.name) + " of RF");
     for (int sample = 0; sample < 50; ++sample) {
@@ -117,7 +117,7 @@ TEST(SolidStrain, MeansWhatItsNameSays) {
   for (int sample = 0; sample < 30; ++sample) {
     const Eigen::Matrix3d f = random_solid(numbers);
     const auto of = [&](const char* name, int i = 0) {
-      return value_at(measure_of(name), z_of(f)).value[i];
+      return value_at(solid_measure_of(name), z_of(f)).value[i];
     };
     constexpr double kRounding = 5e-14;
     const Eigen::Matrix3d c = f.transpose() * f;
@@ -147,8 +147,8 @@ TEST(SolidStrain, MeansWhatItsNameSays) {
     const Eigen::Vector3d stretches = Eigen::JacobiSVD<Eigen::Matrix3d>(f).singularValues();
     for (int i = 0; i < 3; ++i)
       EXPECT_NEAR(of("solid_principal_stretches", i), stretches[i] - 1.0, kRounding);
-    const Eigen::Vector3d a(std::cos(kElevation) * std::cos(kAngle),
-                            std::cos(kElevation) * std::sin(kAngle), std::sin(kElevation));
+    const Eigen::Vector3d a(std::cos(kElevation) * std::cos(kAzimuth),
+                            std::cos(kElevation) * std::sin(kAzimuth), std::sin(kElevation));
     EXPECT_NEAR(of("solid_fibre"), (f * a).norm() - 1.0, kRounding);
     EXPECT_NEAR(of("solid_green_fibre"), 0.5 * ((f * a).squaredNorm() - 1.0), kRounding);
   }
@@ -164,7 +164,7 @@ TEST(SolidStrain, AnswersCollapsedElementsWithFiniteNumbers) {
   }
   for (const model::StrainRow& row : solid_rows()) {
     for (const Eigen::Matrix3d& f : flat) {
-      const SolidStrainValue at = value_at(measure_of(row.name), z_of(f));
+      const SolidStrainValue at = value_at(solid_measure_of(row.name), z_of(f));
       for (int i = 0; i < row.strains; ++i) {
         EXPECT_TRUE(std::isfinite(at.value[i])) << row.name;
         EXPECT_TRUE(at.by_z[i].allFinite()) << row.name;

@@ -2,12 +2,12 @@
 #include "server/estimation/sequences/discretisation/grid_error.h"
 
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 #include <variant>
 
+#include "common/base/not_a_number.h"
 #include "server/estimation/sequences/observations.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
 #include "server/mechanics/law.h"
@@ -15,8 +15,6 @@
 namespace tenter::estimation {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double length_of(const mechanics::SurfaceMesh& mesh) {
   double area = 0.0, count = 0.0;

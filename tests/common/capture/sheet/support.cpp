@@ -2,14 +2,13 @@
 #include "tests/common/capture/sheet/support.h"
 
 #include <cmath>
-#include <limits>
 #include <random>
+
+#include "common/base/not_a_number.h"
 
 namespace tenter::capture::test {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Capture empty_capture(int frames) {
   Capture c;

@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kRoles[] = {"stretch_u", "stretch_v", "shear", "bend_u", "evaluation"};
 
-std::string capture_id(int index) {
+std::string sheet_id(int index) {
   return std::string(63, 'b') + static_cast<char>('0' + index);
 }
 
@@ -34,7 +34,7 @@ Json capture(int index) {
   const bool held_out = index == 4;
   Json dropped = Json::array();
   if (index == 2) dropped.push_back({{"frame", 17}, {"reason", "no stable equilibrium was found"}});
-  return {{"id", capture_id(index)},
+  return {{"id", sheet_id(index)},
           {"title", std::string("FIXTURE wool, ") + kRoles[index]},
           {"synthetic", index == 1},
           {"specimen", "swatch 18"},
@@ -79,7 +79,7 @@ Json curve(const char* term, double stiffness, bool with_band) {
 
 Json loop(int index) {
   Json figure = {{"kind", "loop"},
-                 {"capture", capture_id(index)},
+                 {"capture", sheet_id(index)},
                  {"title", "Force of clip left"},
                  {"x", {{"name", "displacement"}, {"unit", "m"}}},
                  {"y", {{"name", "force"}, {"unit", "N"}}},
@@ -119,16 +119,11 @@ Json mesh(int index, const char* why) {
       triangles.push_back({a, a + 1, a + kNodes + 1});
       triangles.push_back({a, a + kNodes + 1, a + kNodes});
     }
-  return {{"capture", capture_id(index)},
-          {"title", std::string("FIXTURE wool, ") + kRoles[index]},
-          {"frame", 12 + index},
-          {"why", why},
-          {"triangles", triangles},
-          {"position_m", position},
-          {"residual_m", residual},
-          {"sigma_m", 7.5e-5},
-          {"arrows", arrows},
-          {"rms_m", 9.4e-5}};
+  return {{"capture", sheet_id(index)}, {"title", std::string("FIXTURE wool, ") + kRoles[index]},
+          {"frame", 12 + index},        {"why", why},
+          {"triangles", triangles},     {"position_m", position},
+          {"residual_m", residual},     {"sigma_m", 7.5e-5},
+          {"arrows", arrows},           {"rms_m", 9.4e-5}};
 }
 
 Json stage(const char* name, const char* term, double before, double after, bool done) {

@@ -6,28 +6,15 @@
 #include "common/report/html_report.h"
 #include "common/report/sheet/document.h"
 #include "common/report/sheet/mesh_svg.h"
+#include "tests/common/report/page_checks.h"
 #include "tests/common/report/sheet/fixture_sheet.h"
 
 namespace tenter::report {
 namespace {
 
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t n = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
-  return n;
-}
-
-std::string page_of(const Json& result) {
-  return render_html(result.dump()).value();
-}
-
-/// Puts `text` in place of every string of the document except the few that steer the report.
-void poison(Json& value, const std::string& text) {
-  if (value.is_string()) value = text;
-  if (value.is_structured())
-    for (auto& [key, child] : value.items())
-      if (key != "schema" && key != "kind" && key != "role" && key != "level") poison(child, text);
-}
+using fixture::count;
+using fixture::page_of;
+using fixture::poison;
 
 TEST(SheetReport, ShowsEveryPartOfTheResult) {
   const std::string page = page_of(fixture::sheet_fit());

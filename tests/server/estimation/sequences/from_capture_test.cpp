@@ -7,9 +7,9 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <limits>
 #include <random>
 
+#include "common/base/not_a_number.h"
 #include "common/model/presets.h"
 #include "server/estimation/fit.h"
 #include "server/estimation/sequences/material/material_locator.h"
@@ -24,7 +24,6 @@ using capture::Capture;
 using capture::Sheet;
 using mechanics::EquilibriumSolver;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kSide = 9;
 constexpr double kSize_m = 0.1;
 constexpr mechanics::Diagonals kDiagonals = mechanics::Diagonals::alternating;

@@ -16,8 +16,8 @@
 #include "common/report/html_report.h"
 #include "common/report/residual_file.h"
 #include "server/jobs/results/run_job.h"
-#include "server/jobs/sheet_fit/sheet_options.h"
 #include "server/jobs/sheet_fit/progress/stage_checkpoint.h"
+#include "server/jobs/sheet_fit/sheet_options.h"
 #include "tests/server/jobs/sheet_fit/sheet_captures.h"
 
 namespace tenter::jobs {

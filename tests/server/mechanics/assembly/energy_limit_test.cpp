@@ -13,7 +13,7 @@
 namespace tenter::mechanics {
 namespace {
 
-Cloth cloth() {
+Cloth limited_cloth() {
   return cloth_of_grid({6, 5, 0.25, 0.2}, Diagonals::alternating).value();
 }
 
@@ -123,7 +123,7 @@ std::vector<std::string> ids_in(const model::Model& model, model::Domain domain)
 
 // On cloth: the sum of all membrane terms, and each spring and hinge term alone.
 TEST(EnergyLimit, DerivativesOnCloth) {
-  const Cloth sheet = cloth();
+  const Cloth sheet = limited_cloth();
   const Eigen::VectorXd x = crumpled(sheet, 3);
   int membranes = 0, springs = 0, hinges = 0;
   for (model::Model description : presets_of(Body::cloth)) {
@@ -255,7 +255,7 @@ TEST(EnergyLimit, WithoutLimitsNothingChanges) {
 
 TEST(EnergyLimit, WhatHasNoSumIsRefused) {
   const auto error_of = [](const model::Model& model) {
-    const auto made = MeshModel::make(model, cloth());
+    const auto made = MeshModel::make(model, limited_cloth());
     return made ? std::string("made") : made.error().message;
   };
   model::Model model = model::preset("cloth_stvk").value();

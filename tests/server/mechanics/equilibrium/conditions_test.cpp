@@ -3,14 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <limits>
 
+#include "common/base/not_a_number.h"
 #include "tests/server/mechanics/equilibrium/sheets.h"
 
 namespace tenter::mechanics::testing {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 model::Model plain_cloth() {
   return preset_with("cloth_stvk", {{"bend_weft", 1e-4}, {"bend_warp", 1e-4}});

@@ -2,9 +2,10 @@
 #include "tests/twin/fabrics/sequences/capture_of.h"
 
 #include <Eigen/Geometry>
-#include <limits>
 #include <map>
 #include <utility>
+
+#include "common/base/not_a_number.h"
 
 namespace tenter::twin {
 
@@ -13,8 +14,6 @@ namespace {
 using capture::Capture;
 using capture::Sheet;
 using estimation::Sequence;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 capture::Vec3 list_of(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};

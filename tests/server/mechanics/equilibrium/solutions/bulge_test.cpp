@@ -27,7 +27,7 @@ double half_angle(const Tension& tension, double pressure_Pa, double half_width_
   return low;
 }
 
-struct Membrane {
+struct BulgedMembrane {
   const char* name;
   model::Model model;
   double (*tension)(double stretch);  ///< nominal, with no stretch along the axis
@@ -47,15 +47,15 @@ double neo_hookean_tension(double s) {
   return kShear * (s - 1.0 / s) + kArea * (s - 1.0);
 }
 
-std::vector<Membrane> membranes() {
+std::vector<BulgedMembrane> membranes() {
   // E_uv twice is C_uv, so K (1 - nu) E_uv^2 = (K (1 - nu) / 4) C_uv^2
-  Membrane stvk{"St. Venant-Kirchhoff",
-                linear_model({{"green_u", kStiffness},
-                              {"green_v", kStiffness},
-                              {"green_pair", kPoisson * kStiffness},
-                              {"green_uv", 0.5 * (1.0 - kPoisson) * kStiffness}}),
-                stvk_tension, 900.0};
-  Membrane neo{"neo-Hookean", linear_model({{"area", kArea}}), neo_hookean_tension, 900.0};
+  BulgedMembrane stvk{"St. Venant-Kirchhoff",
+                      linear_model({{"green_u", kStiffness},
+                                    {"green_v", kStiffness},
+                                    {"green_pair", kPoisson * kStiffness},
+                                    {"green_uv", 0.5 * (1.0 - kPoisson) * kStiffness}}),
+                      stvk_tension, 900.0};
+  BulgedMembrane neo{"neo-Hookean", linear_model({{"area", kArea}}), neo_hookean_tension, 900.0};
   model::Term stretches;
   stretches.id = "stretches";
   stretches.strain.name = "principal_stretches";
@@ -73,7 +73,7 @@ std::vector<Membrane> membranes() {
 // than three widths away.
 TEST(Bulge, ACylinderOfKnownHeight) {
   const double width = 0.06, length = 0.42;
-  for (const Membrane& membrane : membranes()) {
+  for (const BulgedMembrane& membrane : membranes()) {
     SCOPED_TRACE(membrane.name);
     const double phi = half_angle(membrane.tension, membrane.pressure_Pa, 0.5 * width);
     const double height = 0.5 * width / std::sin(phi) * (1.0 - std::cos(phi));

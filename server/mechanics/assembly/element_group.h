@@ -149,10 +149,11 @@ class ElementGroup final : public MeshModel::Group {
   }
 
   AssemblyStatus add_term_energies(const double* x, const double* parameters,
-                                   double* energies) const override {
+                                   const History* history, double* energies) const override {
     return each_chunk(x, [&](Chunk& chunk, int first, int count) {
       for (const GroupTerm& term : terms) {
         LawBatch batch = chunk.batch(count, true, false);
+        term.start_from(history, first, batch);
         term.strain->strains(chunk.z, first, count, chunk.strain);
         term.law->evaluate_batch(parameters + term.first_parameter, batch);
         const double* measure = term.measure.data() + first;

@@ -60,7 +60,7 @@ class MeshModel::Group {
                                       Eigen::MatrixXd& change) const = 0;
   /// Adds to the entry of each of its terms.
   virtual AssemblyStatus add_term_energies(const double* x, const double* parameters,
-                                           double* energies) const = 0;
+                                           const History* history, double* energies) const = 0;
   /// [element * strains + i]; not_finite where one is not.
   virtual AssemblyStatus strains_of(const GroupTerm& term, const double* x,
                                     std::vector<double>& strain) const = 0;

@@ -79,11 +79,12 @@ AssemblyStatus MeshModel::active_limits(const Eigen::VectorXd& x, const Eigen::V
 }
 
 AssemblyStatus MeshModel::term_energies(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
-                                        Eigen::VectorXd& energies) const {
+                                        Eigen::VectorXd& energies,
+                                        const History* history) const {
   energies.setZero(term_count_);
   for (const auto& group : groups_) {
     const AssemblyStatus status =
-        group->add_term_energies(x.data(), parameters.data(), energies.data());
+        group->add_term_energies(x.data(), parameters.data(), history, energies.data());
     if (status != AssemblyStatus::ok) return status;
   }
   return energies.allFinite() ? AssemblyStatus::ok : AssemblyStatus::not_finite;

@@ -112,10 +112,12 @@ class MeshModel {
                                                     Eigen::MatrixXd& change) const;
 
   int term_count() const { return term_count_; }
-  /// The part of the energy (J) of each term, in the order of the model's terms.
+  /// The part of the energy (J) of each term, in the order of the model's terms: of a term that
+  /// remembers its path, of the step from `history`, up to a constant.
   [[nodiscard]] AssemblyStatus term_energies(const Eigen::VectorXd& x,
                                              const Eigen::VectorXd& parameters,
-                                             Eigen::VectorXd& energies) const;
+                                             Eigen::VectorXd& energies,
+                                             const History* history = nullptr) const;
   /// One entry for each term and kind of element that it acts on, in the order of the terms.
   [[nodiscard]] AssemblyStatus term_strains(const Eigen::VectorXd& x,
                                             std::vector<TermStrains>& strains) const;

@@ -11,7 +11,6 @@ namespace tenter::mechanics::testing {
 namespace {
 
 using tenter::testing::Comparison;
-using tenter::testing::difference;
 
 EquilibriumOptions to_rounding() {
   EquilibriumOptions options;

@@ -48,12 +48,15 @@ struct LawOutput {
 };
 
 /// Many strains of one law at once, as structure of arrays: entry e of every array belongs to
-/// element e. All that is asked for is overwritten. Path-dependent laws answer as never strained
-/// before, in a step without duration.
+/// element e. All that is asked for is overwritten.
 struct LawBatch {
   int count = 0;
   const double* strain[kMaxStrains] = {};
-  double* energy = nullptr;  ///< null where not wanted
+  /// Where the step starts, one array a state variable. Null at [0]: never strained before.
+  const double* state[kMaxLawState] = {};
+  double duration_s = 0.0;
+  double* end_state[kMaxLawState] = {};  ///< null at [0] where not wanted
+  double* energy = nullptr;              ///< null where not wanted
   double* stress[kMaxStrains] = {};
   /// The upper triangle, [i][j] with i <= j; null at [0][0]: no tangent is wanted.
   double* tangent[kMaxStrains][kMaxStrains] = {};

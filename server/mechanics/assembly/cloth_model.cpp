@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // MeshModel on cloth: triangles, springs and hinges, each measure on the elements of its domain.
+#include "server/mechanics/assembly/history/group_history.h"
 #include "server/mechanics/assembly/model_builder.h"
 
 namespace tenter::mechanics {

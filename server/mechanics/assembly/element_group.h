@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Elements of one kind and the terms that act on them: what MeshModel is made of.
+// Groups of each kind of element: sums over chunks of strains, laws and supports.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "server/mechanics/assembly/chunk_strain.h"
-#include "server/mechanics/assembly/mesh_model.h"
+#include "server/mechanics/assembly/group.h"
 #include "server/mechanics/assembly/positive_part.h"
 #include "server/mechanics/elements/from_mesh.h"
 #include "server/mechanics/principal_stretch.h"
@@ -15,7 +14,7 @@
 namespace tenter::mechanics {
 
 /// What the elements of a hinge group see; the others see entries of C. False: a solid element is
-/// flat or turned inside out.
+/// flat or turned inside out. `see_change`: how that changes with displacements of the nodes.
 inline bool see(const HingeElements& elements, const double* x, int first, int count, double* z) {
   hinge_angles(elements, x, first, count, z);
   return true;
@@ -32,56 +31,15 @@ bool see(const GradientElements<N, D>& elements, const double* x, int first, int
   return true;
 }
 
-struct GroupTerm {
-  std::shared_ptr<const ChunkStrain> strain;
-  std::shared_ptr<const Law> law;
-  int term = 0;  ///< its place among the model's
-  int first_parameter = 0;
-  std::vector<double> measure;  ///< of the element, times the support's weight there
-};
-
-/// An energy limit on the elements of a group.
-struct GroupLimit {
-  std::vector<int> terms;  ///< places of the limited ones in the group
-  double energy_max = 0.0;
-  int first = 0;  ///< place of the group's first element in multipliers and excesses
-};
-
-class MeshModel::Group {
- public:
-  virtual ~Group() = default;
-  /// Adds to what is wanted of `output`.
-  virtual AssemblyStatus add(const double* x, const double* parameters, const ModelOutput& output,
-                             const EnergyLimitState* state) const = 0;
-  /// Adds d2E/dx dp into the columns of its own parameters; of limits only m a d2psi/dx dp.
-  virtual AssemblyStatus add_by_parameter(const double* x, const double* parameters,
-                                          const EnergyLimitState* state,
-                                          Eigen::MatrixXd& result) const = 0;
-  /// Adds to the entry of each of its terms.
-  virtual AssemblyStatus add_term_energies(const double* x, const double* parameters,
-                                           double* energies) const = 0;
-  /// [element * strains + i]; not_finite where one is not.
-  virtual AssemblyStatus strains_of(const GroupTerm& term, const double* x,
-                                    std::vector<double>& strain) const = 0;
-  /// Fills the entries of its own limits.
-  virtual AssemblyStatus limit_excess(const double* x, const double* parameters,
-                                      double* excess) const = 0;
-  /// Fills the columns and rows of the active entries that are its own.
-  virtual AssemblyStatus fill_limits(const double* x, const double* parameters,
-                                     ActiveLimits& active) const = 0;
-  virtual const std::vector<double>& measure() const = 0;  ///< of its elements, without supports
-  virtual std::vector<std::pair<int, int>> pairs() const = 0;
-  virtual void find_slots(const NodeMatrix& matrix) = 0;
-
-  const ElementKind kind;
-  const std::vector<int> element;  ///< numbers of its elements among those of this kind
-  std::vector<GroupTerm> terms;
-  std::vector<GroupLimit> limits;
-
- protected:
-  Group(ElementKind its_kind, std::vector<int> numbers)
-      : kind(its_kind), element(std::move(numbers)) {}
-};
+inline void see_change(const HingeElements& elements, const double* x, const double* dx, int first,
+                       int count, double* dz) {
+  hinge_angles_change(elements, x, dx, first, count, dz);
+}
+template <int N, int D>
+void see_change(const GradientElements<N, D>& elements, const double* x, const double* dx,
+                int first, int count, double* dz) {
+  cauchy_green_change(elements, x, dx, first, count, dz);
+}
 
 /// `Z`: how many numbers the elements see.
 template <class Elements, int Z>
@@ -98,7 +56,7 @@ class ElementGroup final : public MeshModel::Group {
   }
 
   AssemblyStatus add(const double* x, const double* parameters, const ModelOutput& output,
-                     const EnergyLimitState* state) const override {
+                     const EnergyLimitState* state, const History* history) const override {
     const bool wants_forces = output.gradient || output.stiffness;
     Chunk chunk;
     for (int first = 0; first < elements_.count(); first += kChunk) {
@@ -108,6 +66,7 @@ class ElementGroup final : public MeshModel::Group {
       if (!see(elements_, x, first, count, chunk.z)) return AssemblyStatus::inverted;
       for (const GroupTerm& term : terms) {
         LawBatch batch = chunk.batch(count, output.energy != nullptr, output.stiffness != nullptr);
+        term.start_from(history, first, batch);
         term.strain->strains(chunk.z, first, count, chunk.strain);
         term.law->evaluate_batch(parameters + term.first_parameter, batch);
         const double* measure = term.measure.data() + first;
@@ -131,7 +90,7 @@ class ElementGroup final : public MeshModel::Group {
   }
 
   AssemblyStatus add_by_parameter(const double* x, const double* parameters,
-                                  const EnergyLimitState* state,
+                                  const EnergyLimitState* state, const History* history,
                                   Eigen::MatrixXd& result) const override {
     return each_chunk(x, [&](Chunk& chunk, int first, int count) {
       for (std::size_t t = 0; t < terms.size(); ++t) {
@@ -141,7 +100,8 @@ class ElementGroup final : public MeshModel::Group {
         if (state) stiffen(static_cast<int>(t), *state, parameters, chunk, first, count, measure);
         term.strain->strains(chunk.z, first, count, chunk.strain);
         for (int p = 0; p < term.law->parameter_count(); ++p) {
-          const LawBatch batch = chunk.batch(count, false, false);
+          LawBatch batch = chunk.batch(count, false, false);
+          term.start_from(history, first, batch);
           term.law->stress_by_parameter_batch(parameters + term.first_parameter, p, batch);
           double psi_z[Z * kChunk] = {};
           term.strain->chain(chunk.z, first, batch, measure, psi_z, nullptr);
@@ -151,6 +111,17 @@ class ElementGroup final : public MeshModel::Group {
       }
     });
   }
+
+  // history/group_history.h
+  AssemblyStatus end_of_step(const double* x, const double* parameters, const History& history,
+                             double* end) const override;
+  AssemblyStatus add_by_history(const double* x, const double* parameters, const History& history,
+                                const Eigen::MatrixXd& change,
+                                Eigen::MatrixXd& result) const override;
+  AssemblyStatus carry_change(const double* x, const double* parameters, const History& history,
+                              const Eigen::MatrixXd& x_change,
+                              const std::vector<Eigen::Index>& columns,
+                              Eigen::MatrixXd& change) const override;
 
   AssemblyStatus fill_limits(const double* x, const double* parameters,
                              ActiveLimits& active) const override {
@@ -178,10 +149,11 @@ class ElementGroup final : public MeshModel::Group {
   }
 
   AssemblyStatus add_term_energies(const double* x, const double* parameters,
-                                   double* energies) const override {
+                                   const History* history, double* energies) const override {
     return each_chunk(x, [&](Chunk& chunk, int first, int count) {
       for (const GroupTerm& term : terms) {
         LawBatch batch = chunk.batch(count, true, false);
+        term.start_from(history, first, batch);
         term.strain->strains(chunk.z, first, count, chunk.strain);
         term.law->evaluate_batch(parameters + term.first_parameter, batch);
         const double* measure = term.measure.data() + first;

@@ -18,6 +18,9 @@
 //     status = model.limit_excess(x, p, excess);
 //   } while (update_multipliers(excess, limits) > tolerance);
 //
+// A limit holds on terms without memory: one that names a term whose law remembers its path is
+// refused, and one on all terms leaves those out.
+//
 // Data of the caller; one state a frame, kept from solve to solve as a warm start.
 #pragma once
 

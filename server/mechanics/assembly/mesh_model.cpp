@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "server/mechanics/assembly/element_group.h"
+#include "server/mechanics/assembly/group.h"
 
 namespace tenter::mechanics {
 
@@ -15,13 +15,13 @@ Eigen::VectorXd term_parameters(const model::Model& model) {
 }
 
 AssemblyStatus MeshModel::evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
-                                   const ModelOutput& output,
-                                   const EnergyLimitState* limits) const {
+                                   const ModelOutput& output, const EnergyLimitState* limits,
+                                   const History* history) const {
   if (output.energy) *output.energy = 0.0;
   if (output.gradient) output.gradient->setZero(3 * node_count_);
   if (output.stiffness) output.stiffness->set_zero();
   for (const auto& group : groups_) {
-    const AssemblyStatus status = group->add(x.data(), parameters.data(), output, limits);
+    const AssemblyStatus status = group->add(x.data(), parameters.data(), output, limits, history);
     if (status != AssemblyStatus::ok) return status;
   }
   const bool finite = (!output.energy || std::isfinite(*output.energy)) &&
@@ -33,11 +33,12 @@ AssemblyStatus MeshModel::evaluate(const Eigen::VectorXd& x, const Eigen::Vector
 AssemblyStatus MeshModel::gradient_by_parameter(const Eigen::VectorXd& x,
                                                 const Eigen::VectorXd& parameters,
                                                 Eigen::MatrixXd& result,
-                                                const EnergyLimitState* limits) const {
+                                                const EnergyLimitState* limits,
+                                                const History* history) const {
   result.setZero(3 * node_count_, parameter_count_);
   for (const auto& group : groups_) {
     const AssemblyStatus status =
-        group->add_by_parameter(x.data(), parameters.data(), limits, result);
+        group->add_by_parameter(x.data(), parameters.data(), limits, history, result);
     if (status != AssemblyStatus::ok) return status;
   }
   if (limits && limited_count_ > 0) {
@@ -78,11 +79,12 @@ AssemblyStatus MeshModel::active_limits(const Eigen::VectorXd& x, const Eigen::V
 }
 
 AssemblyStatus MeshModel::term_energies(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
-                                        Eigen::VectorXd& energies) const {
+                                        Eigen::VectorXd& energies,
+                                        const History* history) const {
   energies.setZero(term_count_);
   for (const auto& group : groups_) {
     const AssemblyStatus status =
-        group->add_term_energies(x.data(), parameters.data(), energies.data());
+        group->add_term_energies(x.data(), parameters.data(), history, energies.data());
     if (status != AssemblyStatus::ok) return status;
   }
   return energies.allFinite() ? AssemblyStatus::ok : AssemblyStatus::not_finite;

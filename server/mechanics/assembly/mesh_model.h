@@ -6,9 +6,10 @@
 //
 // m: area or volume of the element, w: weight of the term's support there, psi: energy per area
 // (N/m) or volume (N/m^2) of the law. Tetrahedra have one quadrature point, hexahedra eight (thesis
-// 4.2.6), and each counts as an element. Path-dependent laws answer as never strained before. Terms
-// on the same elements are summed before nodes are touched: elements/ turns the sum into forces and
-// 3 x 3 blocks once.
+// 4.2.6), and each counts as an element. psi of a path-dependent law is its incremental potential
+// in a step from a History (history/); without one it answers as never strained before. Terms on
+// the same elements are summed before nodes are touched: elements/ turns the sum into forces and 3
+// x 3 blocks once.
 //
 //   auto model = MeshModel::make(description, cloth);
 //   NodeMatrix matrix = model->matrix();
@@ -27,6 +28,7 @@
 #include "common/model/model.h"
 #include "server/mechanics/assembly/cloth.h"
 #include "server/mechanics/assembly/energy_limit.h"
+#include "server/mechanics/assembly/history/history.h"
 #include "server/mechanics/assembly/term_strains.h"
 #include "server/mechanics/elements/node_matrix.h"
 #include "server/mechanics/mesh/solid_mesh.h"
@@ -75,19 +77,47 @@ class MeshModel {
   /// multipliers have the size limited_count()); without, they are not enforced.
   [[nodiscard]] AssemblyStatus evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
                                         const ModelOutput& output,
-                                        const EnergyLimitState* limits = nullptr) const;
+                                        const EnergyLimitState* limits = nullptr,
+                                        const History* history = nullptr) const;
 
   /// d2E/dx dp: (3 nodes) x parameters, column by column. With `limits`, also of their part
-  /// m/(2 mu) (a^2 - l^2) at fixed multipliers: m (a d2psi/dx dp + mu dpsi/dx dpsi/dp).
-  [[nodiscard]] AssemblyStatus gradient_by_parameter(
-      const Eigen::VectorXd& x, const Eigen::VectorXd& parameters, Eigen::MatrixXd& result,
-      const EnergyLimitState* limits = nullptr) const;
+  /// m/(2 mu) (a^2 - l^2) at fixed multipliers: m (a d2psi/dx dp + mu dpsi/dx dpsi/dp). At fixed
+  /// `history`: what it changes is added by add_gradient_by_history.
+  [[nodiscard]] AssemblyStatus gradient_by_parameter(const Eigen::VectorXd& x,
+                                                     const Eigen::VectorXd& parameters,
+                                                     Eigen::MatrixXd& result,
+                                                     const EnergyLimitState* limits = nullptr,
+                                                     const History* history = nullptr) const;
+
+  /// Numbers in a History's state; 0 where no law remembers anything.
+  int history_count() const { return history_count_; }
+  History never_strained() const { return {Eigen::VectorXd::Zero(history_count_), 0.0}; }
+  /// The state at the end of the step from `history` to x; may be that of `history` itself.
+  [[nodiscard]] AssemblyStatus end_of_step(const Eigen::VectorXd& x,
+                                           const Eigen::VectorXd& parameters,
+                                           const History& history, Eigen::VectorXd& state) const;
+  /// result += d2E/dx dh change, column by column: `change` is dh (history_count() rows).
+  [[nodiscard]] AssemblyStatus add_gradient_by_history(const Eigen::VectorXd& x,
+                                                       const Eigen::VectorXd& parameters,
+                                                       const History& history,
+                                                       const Eigen::MatrixXd& change,
+                                                       Eigen::MatrixXd& result) const;
+  /// From dh at the start of the step to dh at its end, in place: `x_change` is dx, and column c is
+  /// of the parameter columns[c].
+  [[nodiscard]] AssemblyStatus carry_history_change(const Eigen::VectorXd& x,
+                                                    const Eigen::VectorXd& parameters,
+                                                    const History& history,
+                                                    const Eigen::MatrixXd& x_change,
+                                                    const std::vector<Eigen::Index>& columns,
+                                                    Eigen::MatrixXd& change) const;
 
   int term_count() const { return term_count_; }
-  /// The part of the energy (J) of each term, in the order of the model's terms.
+  /// The part of the energy (J) of each term, in the order of the model's terms: of a term that
+  /// remembers its path, of the step from `history`, up to a constant.
   [[nodiscard]] AssemblyStatus term_energies(const Eigen::VectorXd& x,
                                              const Eigen::VectorXd& parameters,
-                                             Eigen::VectorXd& energies) const;
+                                             Eigen::VectorXd& energies,
+                                             const History* history = nullptr) const;
   /// One entry for each term and kind of element that it acts on, in the order of the terms.
   [[nodiscard]] AssemblyStatus term_strains(const Eigen::VectorXd& x,
                                             std::vector<TermStrains>& strains) const;
@@ -108,13 +138,14 @@ class MeshModel {
                                              const EnergyLimitState& limits,
                                              ActiveLimits& active) const;
 
-  class Group;    ///< elements of one kind, and the terms on them (element_group.h)
+  class Group;    ///< elements of one kind, and the terms on them (group.h)
   class Builder;  ///< what the two makers have in common (model_builder.h)
 
  private:
   int node_count_ = 0;
   int parameter_count_ = 0;
   int term_count_ = 0;
+  int history_count_ = 0;
   int limited_count_ = 0;
   std::vector<LimitedElements> limited_;
   NodeMatrix matrix_;

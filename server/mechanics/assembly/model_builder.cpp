@@ -32,9 +32,13 @@ Expected<void> MeshModel::Builder::add(const model::Term& term, std::vector<Part
     return bad_input(name_of(term) + "this cloth has no element for \"" + term.strain.name + "\"");
   const auto law = make_law(term.law, parts.front().strain->count());
   if (!law) return bad_input(name_of(term) + law.error().message);
-  for (Part& part : parts)
+  for (Part& part : parts) {
+    const auto elements = static_cast<int>(part.measure.size());
     part.group->terms.push_back({std::move(part.strain), *law, result_.term_count_,
-                                 result_.parameter_count_, std::move(part.measure)});
+                                 result_.parameter_count_, result_.history_count_,
+                                 std::move(part.measure)});
+    result_.history_count_ += (*law)->state_count() * elements;
+  }
   ++result_.term_count_;
   result_.parameter_count_ += (*law)->parameter_count();
   return {};
@@ -53,6 +57,15 @@ Expected<void> MeshModel::Builder::add_limit(const model::EnergyLimit& limit) {
     wanted.push_back(static_cast<int>(found - terms.begin()));
   }
   if (limit.terms.empty()) wanted = numbers(result_.term_count_);
+  // what a step from a history costs is no stored energy
+  for (const auto& group : order_)
+    for (const GroupTerm& part : group->terms) {
+      if (part.law->state_count() == 0) continue;
+      if (std::erase(wanted, part.term) > 0 && !limit.terms.empty())
+        return bad_input(name + "its term \"" +
+                         description_.terms[static_cast<std::size_t>(part.term)].id +
+                         "\" remembers its path, so that its energy has no limit");
+    }
   std::sort(wanted.begin(), wanted.end());
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
   for (const auto& group : order_) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // MeshModel on solids: every term on the tetrahedra and on the quadrature points of the hexahedra.
+#include "server/mechanics/assembly/history/group_history.h"
 #include "server/mechanics/assembly/model_builder.h"
 
 namespace tenter::mechanics {

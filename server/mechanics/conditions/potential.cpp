@@ -9,14 +9,15 @@ namespace tenter::mechanics {
 Potential::Potential(const MeshModel& of_model, const Eigen::VectorXd& at_parameters,
                      const Boundary& of_boundary, const Unknowns& of_unknowns,
                      const Loads& of_loads, const Contact& of_contact,
-                     const EnergyLimitState* of_limits)
+                     const EnergyLimitState* of_limits, const History* from_history)
     : model(of_model),
       parameters(at_parameters),
       boundary(of_boundary),
       unknowns(of_unknowns),
       loads(of_loads),
       contact(of_contact),
-      limits(of_limits) {}
+      limits(of_limits),
+      history(from_history) {}
 
 bool Potential::evaluate(const State& state, PotentialValue& value) const {
   return evaluate(state, ModelOutput{&value.energy_J, &value.by_node}, value);
@@ -38,7 +39,8 @@ bool Potential::evaluate(const State& state, const ModelOutput& wanted,
                          PotentialValue& value) const {
   value.has_stiffness = wanted.stiffness != nullptr;
   value.positive_share = wanted.positive_share;
-  if (model.evaluate(state.x, parameters, wanted, limits) != AssemblyStatus::ok) return false;
+  if (model.evaluate(state.x, parameters, wanted, limits, history) != AssemblyStatus::ok)
+    return false;
   value.energy_size_J = std::abs(value.energy_J);
   const LoadOutput output{&value.energy_J, value.by_node.data(), wanted.stiffness,
                           &value.energy_size_J};
@@ -59,7 +61,7 @@ double Potential::energy_J(const State& state) const {
   double energy = 0.0;
   ModelOutput wanted;
   wanted.energy = &energy;
-  if (model.evaluate(state.x, parameters, wanted, limits) != AssemblyStatus::ok)
+  if (model.evaluate(state.x, parameters, wanted, limits, history) != AssemblyStatus::ok)
     return std::numeric_limits<double>::infinity();
   const LoadOutput output{&energy, nullptr, nullptr, nullptr};
   add_loads(loads, boundary, state.x, output);

@@ -3,6 +3,8 @@
 //
 //   Pi(x) = E(x, p) + V(x) + contact + energy limits
 //
+// With a history, E is the energy of the step from there.
+//
 //   const Potential potential(model, parameters, boundary, unknowns, loads, contact);
 //   if (!potential.evaluate_with_stiffness(state, 0.0, value)) ...   // not finite: do not use
 //
@@ -37,7 +39,7 @@ class Potential {
  public:
   Potential(const MeshModel& model, const Eigen::VectorXd& parameters, const Boundary& boundary,
             const Unknowns& unknowns, const Loads& loads, const Contact& contact,
-            const EnergyLimitState* limits = nullptr);
+            const EnergyLimitState* limits = nullptr, const History* history = nullptr);
 
   const MeshModel& model;
   const Eigen::VectorXd& parameters;
@@ -46,6 +48,7 @@ class Potential {
   const Loads& loads;
   const Contact& contact;
   const EnergyLimitState* limits;  ///< null: the model's energy limits are not enforced
+  const History* history;          ///< null: as never strained before
 
   /// False where the energy or a derivative is not finite.
   [[nodiscard]] bool evaluate(const State& state, PotentialValue& value) const;

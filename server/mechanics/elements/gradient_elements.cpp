@@ -55,6 +55,19 @@ TENTER_INLINE void cauchy_green_kernel(const GradientElements<N, D>& elements,
   }
 }
 
+template <int N, int D>
+TENTER_INLINE void change_kernel(const GradientElements<N, D>& elements, const double* positions,
+                                 const double* dx, int first, int count, double* dz) {
+  for (int e = 0; e < count; e += kLanes) {
+    Lanes3 f[D], df[D];
+    deformation_gradient(elements, positions, first + e, f);
+    deformation_gradient(elements, dx, first + e, df);
+    for (int i = 0; i < D; ++i)
+      for (int j = i; j < D; ++j)
+        store(dot(f[i], df[j]) + dot(df[i], f[j]), dz + entry<D>(i, j) * kChunk + e);
+  }
+}
+
 template <int N>
 TENTER_INLINE void volume_kernel(const GradientElements<N, 3>& elements, const double* positions,
                                  int first, int count, double* j) {
@@ -218,6 +231,10 @@ template struct GradientElements<8, 3>;
   TENTER_KERNEL void cauchy_green(const Elements& elements, const double* positions, int first,  \
                                   int count, double* z) {                                        \
     cauchy_green_kernel(elements, positions, first, count, z);                                   \
+  }                                                                                              \
+  TENTER_KERNEL void cauchy_green_change(const Elements& elements, const double* positions,      \
+                                         const double* dx, int first, int count, double* dz) {   \
+    change_kernel(elements, positions, dx, first, count, dz);                                    \
   }                                                                                              \
   TENTER_KERNEL void add_gradient(const Elements& elements, const double* positions, int first,  \
                                   int count, const double* psi_z, double* gradient) {            \

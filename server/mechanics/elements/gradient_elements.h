@@ -70,6 +70,16 @@ void cauchy_green(const TetrahedronElements&, const double* positions, int first
 void cauchy_green(const HexahedronPoints&, const double* positions, int first, int count,
                   double* z);
 
+/// How z changes with displacements `dx` of the nodes, at `positions`; layout as z.
+void cauchy_green_change(const EdgeElements&, const double* positions, const double* dx, int first,
+                         int count, double* dz);
+void cauchy_green_change(const TriangleElements&, const double* positions, const double* dx,
+                         int first, int count, double* dz);
+void cauchy_green_change(const TetrahedronElements&, const double* positions, const double* dx,
+                         int first, int count, double* dz);
+void cauchy_green_change(const HexahedronPoints&, const double* positions, const double* dx,
+                         int first, int count, double* dz);
+
 /// det F of solids: relative volume, negative where an element is turned inside out, which C does
 /// not show. Layout j[e].
 void volume_ratios(const TetrahedronElements&, const double* positions, int first, int count,

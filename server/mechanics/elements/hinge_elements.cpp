@@ -149,6 +149,20 @@ TENTER_KERNEL void hinge_angles(const HingeElements& hinges, const double* posit
   }
 }
 
+TENTER_KERNEL void hinge_angles_change(const HingeElements& hinges, const double* positions,
+                                       const double* dx, int first, int count, double* dtheta) {
+  const int stride = hinges.padded();
+  for (int e = 0; e < count; e += kLanes) {
+    Lanes3 g[3];
+    angle_gradient(hinge_of(hinges, positions, first + e), g);
+    const int* nodes = hinges.gathered.data() + first + e;
+    const Lanes3 origin = gather(dx, nodes);
+    Lanes sum{};
+    for (int a = 0; a < 3; ++a) sum += dot(g[a], gather(dx, nodes + (a + 1) * stride) - origin);
+    store(sum, dtheta + e);
+  }
+}
+
 TENTER_KERNEL void add_gradient(const HingeElements& hinges, const double* positions, int first,
                                 int count, const double* psi_theta, double* gradient) {
   const int stride = hinges.padded();

@@ -44,6 +44,10 @@ struct HingeElements {
 void hinge_angles(const HingeElements&, const double* positions, int first, int count,
                   double* theta);
 
+/// How theta changes with displacements `dx` of the nodes, at `positions`.
+void hinge_angles_change(const HingeElements&, const double* positions, const double* dx, int first,
+                         int count, double* dtheta);
+
 /// gradient += dE/dx from psi' times the area.
 void add_gradient(const HingeElements&, const double* positions, int first, int count,
                   const double* psi_theta, double* gradient);

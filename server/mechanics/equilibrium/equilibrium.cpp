@@ -94,11 +94,16 @@ Expected<EquilibriumSolver> EquilibriumSolver::make(const MeshModel& model, Boun
 }
 
 Expected<void> EquilibriumSolver::check_input(const Eigen::VectorXd& parameters, const Loads& loads,
-                                              const State& state) const {
+                                              const State& state, const History* history) const {
   if (parameters.size() != model_->parameter_count())
     return bad_input("the model has " + std::to_string(model_->parameter_count()) +
                      " parameters, given are " + std::to_string(parameters.size()));
   if (!parameters.allFinite()) return bad_input("a parameter is no number");
+  if (history && history->state.size() != model_->history_count())
+    return bad_input("the model remembers " + std::to_string(model_->history_count()) +
+                     " numbers, the history has " + std::to_string(history->state.size()));
+  if (history && (!history->state.allFinite() || !(history->duration_s >= 0.0)))
+    return bad_input("the history has a number that is none, or a step of negative duration");
   if (state.x.size() != 3 * static_cast<Eigen::Index>(model_->node_count()))
     return bad_input("the mesh has " + std::to_string(model_->node_count()) +
                      " nodes, positions are given for " + std::to_string(state.x.size() / 3));
@@ -115,13 +120,16 @@ Expected<void> EquilibriumSolver::check_input(const Eigen::VectorXd& parameters,
 
 Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& parameters,
                                                      const Loads& loads, State& state,
-                                                     const EquilibriumOptions& options) {
-  if (auto ok = check_input(parameters, loads, state); !ok) return tl::unexpected(ok.error());
+                                                     const EquilibriumOptions& options,
+                                                     const History* history) {
+  if (auto ok = check_input(parameters, loads, state, history); !ok)
+    return tl::unexpected(ok.error());
   if (auto ok = check_options(options); !ok) return tl::unexpected(ok.error());
   place_clips(boundary_, state);
   const bool has_constraints = !obstacles_.empty() || model_->limited_count() > 0;
   const Potential potential(*model_, parameters, boundary_, *unknowns_, loads, contact_,
-                            model_->limited_count() > 0 ? &limits_ : nullptr);
+                            model_->limited_count() > 0 ? &limits_ : nullptr, history);
+  history_ = history;
   bool is_near = options.start_is_near;
   if (has_constraints)
     start_constraints(potential, options, state);

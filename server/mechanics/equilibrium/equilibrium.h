@@ -11,6 +11,10 @@
 // parameters) and solve again with start_is_near. A solver that still has the factor of that result
 // predicts the new state from it.
 //
+// Where laws remember their path, a History is passed along (assembly/history/): the result is the
+// equilibrium at the end of the step that starts there, and the caller takes the history to its
+// end.
+//
 // A solver keeps pattern, factor and scratch; it belongs to one thread at a time. Its result
 // depends on what is passed and on the solve before, never on another solver: frames of several
 // sequences may be solved in several threads with the same bytes as in one.
@@ -88,13 +92,16 @@ class EquilibriumSolver {
   const Unknowns& unknowns() const { return *unknowns_; }
 
   /// bad_input where sizes do not fit, a number is none, a pose no rotation or an option out of its
-  /// range. `state`: start, and result.
+  /// range. `state`: start, and result. `history` is read again by sensitivities of the result.
   Expected<EquilibriumResult> solve(const Eigen::VectorXd& parameters, const Loads& loads,
-                                    State& state, const EquilibriumOptions& options = {});
+                                    State& state, const EquilibriumOptions& options = {},
+                                    const History* history = nullptr);
 
   const MeshModel& model() const { return *model_; }
   const Contact& contact() const { return contact_; }
   const EnergyLimitState& limits() const { return limits_; }
+  /// Of the last solve; null: none.
+  const History* history() const { return history_; }
   /// The factor of the exact stiffness at the last result (near it with reuse_factor); null unless
   /// that was checked to be a minimum.
   SparseFactor* factor() { return has_factor_ ? factor_.get() : nullptr; }
@@ -117,7 +124,7 @@ class EquilibriumSolver {
                     const State& state, const EquilibriumResult& before,
                     const EquilibriumResult& now);
   Expected<void> check_input(const Eigen::VectorXd& parameters, const Loads& loads,
-                             const State& state) const;
+                             const State& state, const History* history) const;
 
   const MeshModel* model_ = nullptr;
   Boundary boundary_;
@@ -126,6 +133,7 @@ class EquilibriumSolver {
   std::unique_ptr<SparseFactor> factor_;
   Contact contact_;
   EnergyLimitState limits_;
+  const History* history_ = nullptr;
   MinimiseWorkspace work_;
   bool has_factor_ = false;
   bool can_predict_ = false;     ///< the factor is near enough to the last result for a prediction

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -131,8 +132,31 @@ bool gradient_by_parameter(const EquilibriumSolver& solver, const Eigen::VectorX
                            const State& state, Eigen::MatrixXd& partial) {
   const EnergyLimitState* limits =
       solver.limits().multiplier.size() > 0 ? &solver.limits() : nullptr;
-  return solver.model().gradient_by_parameter(state.x, parameters, partial, limits) ==
-         AssemblyStatus::ok;
+  return solver.model().gradient_by_parameter(state.x, parameters, partial, limits,
+                                              solver.history()) == AssemblyStatus::ok;
+}
+
+/// `history_change`: what the parameters do to the start of the step; null: nothing.
+Expected<Sensitivity> by_parameter(EquilibriumSolver& solver, const Eigen::VectorXd& parameters,
+                                   const State& state, const std::vector<Eigen::Index>* only,
+                                   const Eigen::MatrixXd* history_change) {
+  auto compliance = Compliance::at(solver, parameters, state);
+  if (!compliance) return tl::unexpected(compliance.error());
+  Eigen::MatrixXd partial;
+  if (!gradient_by_parameter(solver, parameters, state, partial))
+    return fail(ErrorKind::refused, "a derivative by a parameter is not finite");
+  Eigen::MatrixXd limits_change = -compliance->limits_by_parameter();
+  if (only) {
+    partial = partial(Eigen::indexing::all, *only).eval();
+    limits_change = limits_change.size() > 0
+                        ? limits_change(Eigen::indexing::all, *only).eval()
+                        : Eigen::MatrixXd::Zero(limits_change.rows(), partial.cols()).eval();
+  }
+  if (history_change &&
+      solver.model().add_gradient_by_history(state.x, parameters, *solver.history(),
+                                             *history_change, partial) != AssemblyStatus::ok)
+    return fail(ErrorKind::refused, "a derivative by the history is not finite");
+  return answer(solver, *compliance, partial, limits_change);
 }
 
 }  // namespace
@@ -141,17 +165,31 @@ Expected<Sensitivity> sensitivity_by_parameter(EquilibriumSolver& solver,
                                                const Eigen::VectorXd& parameters,
                                                const State& state,
                                                const std::vector<Eigen::Index>* only) {
-  auto compliance = Compliance::at(solver, parameters, state);
-  if (!compliance) return tl::unexpected(compliance.error());
-  Eigen::MatrixXd partial;
-  if (!gradient_by_parameter(solver, parameters, state, partial))
-    return fail(ErrorKind::refused, "a derivative by a parameter is not finite");
-  if (!only) return answer(solver, *compliance, partial, -compliance->limits_by_parameter());
-  const Eigen::MatrixXd some = partial(Eigen::indexing::all, *only);
-  const Eigen::MatrixXd& limits = compliance->limits_by_parameter();
-  Eigen::MatrixXd limits_change = Eigen::MatrixXd::Zero(limits.rows(), some.cols());
-  if (limits.size() > 0) limits_change = -limits(Eigen::indexing::all, *only);
-  return answer(solver, *compliance, some, limits_change);
+  return by_parameter(solver, parameters, state, only, nullptr);
+}
+
+Expected<Sensitivity> sensitivity_along_path(EquilibriumSolver& solver,
+                                             const Eigen::VectorXd& parameters, const State& state,
+                                             const std::vector<Eigen::Index>* only,
+                                             Eigen::MatrixXd& history_change) {
+  const MeshModel& model = solver.model();
+  std::vector<Eigen::Index> columns;
+  if (only) columns = *only;
+  for (Eigen::Index p = 0; !only && p < model.parameter_count(); ++p) columns.push_back(p);
+  if (!solver.history())
+    return fail(ErrorKind::refused, "the last state was solved for without a history");
+  if (history_change.rows() != model.history_count() ||
+      history_change.cols() != static_cast<Eigen::Index>(columns.size()))
+    return bad_input("the change of the history has " + std::to_string(history_change.rows()) +
+                     " rows and " + std::to_string(history_change.cols()) + " columns instead of " +
+                     std::to_string(model.history_count()) + " and " +
+                     std::to_string(columns.size()));
+  auto result = by_parameter(solver, parameters, state, only, &history_change);
+  if (!result) return result;
+  if (model.carry_history_change(state.x, parameters, *solver.history(), result->x, columns,
+                                 history_change) != AssemblyStatus::ok)
+    return fail(ErrorKind::refused, "a derivative of the history is not finite");
+  return result;
 }
 
 /// G at fixed x is left as it is: what the multipliers do to it is among the unknowns.

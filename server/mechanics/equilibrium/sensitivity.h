@@ -15,6 +15,18 @@
 // (4.7) to (4.9). Costs one solve per column (adjoint: one in all), one per touching node and one
 // per element at its limit. Requires solver.factor(): errors of kind `refused` where the last
 // result was no checked minimum.
+//
+// Where laws remember their path (assembly/history/), what came before changes with the parameters
+// too. With h the history at the start of a step and H at its end,
+//
+//   dx/dp = -(dF/dx)^-1 (dF/dp + dF/dh dh/dp)      dH/dp = H_x dx/dp + H_h dh/dp + H_p
+//
+//   Eigen::MatrixXd by_parameter = Eigen::MatrixXd::Zero(model.history_count(), columns);
+//   for (each frame) {
+//     solver.solve(parameters, loads, state, options, &history);
+//     auto change = sensitivity_along_path(solver, parameters, state, only, by_parameter);
+//     model.end_of_step(state.x, parameters, history, history.state);
+//   }
 #pragma once
 
 #include <Eigen/Core>
@@ -31,11 +43,20 @@ struct Sensitivity {
   Eigen::MatrixXd gradient;  ///< the same size: dG, N per unit; zero where nodes are free
 };
 
-/// By every parameter of the model; or, where `only` is given, by those alone: one column each.
+/// By every parameter of the model; or, where `only` is given, by those alone: one column each. A
+/// history stays as it is.
 Expected<Sensitivity> sensitivity_by_parameter(EquilibriumSolver& solver,
                                                const Eigen::VectorXd& parameters,
                                                const State& state,
                                                const std::vector<Eigen::Index>* only = nullptr);
+
+/// The same through the whole path. `history_change`: dh/dp, history_count() rows and a column for
+/// each of the result's, of the history that was passed to the solver; afterwards dH/dp.
+/// Requires that history unchanged: `refused` where none was passed.
+Expected<Sensitivity> sensitivity_along_path(EquilibriumSolver& solver,
+                                             const Eigen::VectorXd& parameters, const State& state,
+                                             const std::vector<Eigen::Index>* only,
+                                             Eigen::MatrixXd& history_change);
 
 /// By psi_max of an energy limit, one column: the density of its elements at the limit moves with
 /// psi_max. Zero where none is there, or the model has no limit of this id.

@@ -24,6 +24,7 @@ class DahlLaw final : public Law {
     return i % 2 == 0 ? StateKind::transient : StateKind::last_strain;
   }
   void evaluate(const LawInput& in, LawOutput& out) const override;
+  void evaluate_batch(const double* parameters, const LawBatch& batch) const override;
 };
 
 /// Friction stress after going from strain e0 with stress s0 to e1, with derivatives; the kernel of

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/model/catalogue.h"
+
 namespace tenter::mechanics {
 namespace {
 
@@ -49,6 +51,9 @@ Expected<SceneRun> SceneRun::make(const scene::Scene& scene, const model::Model&
   if (!solver) return tl::unexpected(solver.error());
   run.solver_ = std::make_unique<EquilibriumSolver>(std::move(*solver));
   run.parameters_ = term_parameters(model);
+  for (std::size_t t = 0; t < model.terms.size(); ++t)
+    if (model::find_law(model.terms[t].law.name)->path_dependent)
+      run.remembering_.push_back(static_cast<int>(t));
   run.options_ = options_of(scene.solver);
   return run;
 }
@@ -60,7 +65,8 @@ Expected<bool> SceneRun::solve(const Levels& levels, bool is_near, State& state,
     if (!set_up_.boundary.clips[c].is_free) there.clips[c] = levels.clips[c];
   EquilibriumOptions options = options_;
   options.start_is_near = is_near;
-  auto result = solver_->solve(parameters_, loads_at(set_up_, body_, levels), there, options);
+  auto result =
+      solver_->solve(parameters_, loads_at(set_up_, body_, levels), there, options, &history_);
   if (!result) return tl::unexpected(result.error());
   frame.iterations += result->iterations;
   frame.factorisations += result->factorisations;
@@ -69,7 +75,25 @@ Expected<bool> SceneRun::solve(const Levels& levels, bool is_near, State& state,
     failure_ = describe(last_, options);
     return false;
   }
+  if (!remember(state, there)) {
+    failure_ = "what the material remembers of its path are no numbers";
+    return false;
+  }
   state = std::move(there);
+  return true;
+}
+
+bool SceneRun::remember(const State& from, const State& to) {
+  if (remembering_.empty()) return true;
+  Eigen::VectorXd before = Eigen::VectorXd::Zero(work_J_.size()), after;
+  if (!is_new_ &&
+      model_->term_energies(from.x, parameters_, before, &history_) != AssemblyStatus::ok)
+    return false;
+  if (model_->term_energies(to.x, parameters_, after, &history_) != AssemblyStatus::ok ||
+      model_->end_of_step(to.x, parameters_, history_, history_.state) != AssemblyStatus::ok)
+    return false;
+  work_J_ += after - before;
+  is_new_ = false;
   return true;
 }
 
@@ -144,6 +168,7 @@ Expected<bool> SceneRun::finish(const Levels& levels, const State& state, SceneF
     failure_ = "energies or strains of the state are no numbers";
     return false;
   }
+  for (const int term : remembering_) frame.term_energies_J[term] = work_J_[term];
   return true;
 }
 
@@ -152,6 +177,9 @@ Expected<SceneEnd> SceneRun::walk(const SceneHooks& hooks) {
   State state = set_up_.start;
   Levels levels = first_levels(scene_, state.clips);
   was_stopped_ = false;
+  history_ = model_->never_strained();
+  work_J_.setZero(model_->term_count());
+  is_new_ = true;
   const auto hand_out = [&](SceneFrame& frame, const Levels& now,
                             Expected<bool> found) -> Expected<bool> {
     if (found && *found) found = finish(now, state, frame);

@@ -14,6 +14,9 @@
 // are good and have been handed out. A frame that is handed out is in equilibrium, and holds finite
 // numbers only.
 //
+// Laws that remember their path (friction, plastic slip) do so from equilibrium to equilibrium,
+// those of halved steps too; the start counts as one straight pull from rest.
+//
 // A run keeps its solver and scratch; it belongs to one thread at a time. The same scene and model
 // give the same bytes.
 #pragma once
@@ -41,9 +44,11 @@ struct SceneFrame {
   double share = 1.0;  ///< of the phase that is done
   State state;
   Levels levels;
-  std::vector<Wrench> reactions;    ///< on every clip, about its position: loads.h, reaction()
-  double energy_J = 0.0;            ///< the potential: material, loads, contact
-  Eigen::VectorXd term_energies_J;  ///< of the material, as the model's terms
+  std::vector<Wrench> reactions;  ///< on every clip, about its position: loads.h, reaction()
+  double energy_J = 0.0;          ///< the potential: material, loads, contact
+  /// Of the material, as the model's terms; of one that remembers its path, the work that it took
+  /// along it, stored or lost.
+  Eigen::VectorXd term_energies_J;
   std::vector<TermStrains> strains;
   Stability stability = Stability::not_checked;
   double net_force_N = 0.0;
@@ -94,6 +99,9 @@ class SceneRun {
   /// From the state that belongs to levels(from) to that of levels(to).
   Expected<bool> advance(const std::function<Levels(double)>& levels, double from, double to,
                          const SceneHooks& hooks, State& state, SceneFrame& frame);
+  /// Takes the history from `from` to the equilibrium at `to`; false where it leaves the range of
+  /// numbers.
+  bool remember(const State& from, const State& to);
   Expected<bool> finish(const Levels& levels, const State& state, SceneFrame& frame);
 
   scene::Scene scene_;
@@ -106,6 +114,10 @@ class SceneRun {
   std::string failure_;  ///< of the last attempt
   bool was_stopped_ = false;
   EquilibriumResult last_;
+  History history_;
+  std::vector<int> remembering_;  ///< terms
+  Eigen::VectorXd work_J_;        ///< of those, along the path so far
+  bool is_new_ = true;            ///< not yet strained
 };
 
 }  // namespace tenter::mechanics

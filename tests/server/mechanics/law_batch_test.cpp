@@ -2,6 +2,7 @@
 // Laws over many strains at once: the answers of single evaluations, for every law there is.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -104,6 +105,54 @@ void compare(const model::Law& description, int strains, Numbers& numbers) {
   by_parameter.judge(1e-13, may_vanish ? 0.0 : 1e-3);
 }
 
+/// From random states: stresses and ends of single evaluations, and their derivatives.
+void compare_with_a_past(const model::Law& description, int strains, Numbers& numbers) {
+  const auto law = make_law(description, strains).value();
+  const std::string words = description.name + " on " + std::to_string(strains);
+  std::vector<double> parameters;
+  for (const model::Parameter& p : description.parameters) parameters.push_back(p.value);
+  Arrays arrays(strains);
+  LawBatch batch = arrays.batch(strains, true, true);
+  batch.duration_s = 0.3;
+  std::vector<double> start[kMaxLawState], end[kMaxLawState];
+  for (int s = 0; s < law->state_count(); ++s) {
+    end[s].assign(kCount, std::numeric_limits<double>::quiet_NaN());
+    for (int e = 0; e < kCount; ++e) start[s].push_back(numbers.between(-0.05, 0.05));
+    batch.state[s] = start[s].data();
+    batch.end_state[s] = end[s].data();
+  }
+  for (int i = 0; i < strains; ++i)
+    for (double& e : arrays.strain[i]) e = numbers.between(-0.08, 0.16);
+  Arrays by_last = arrays;
+  LawBatch last = by_last.batch(strains, false, false);
+  std::copy_n(batch.state, kMaxLawState, last.state);
+  last.duration_s = batch.duration_s;
+  law->evaluate_batch(parameters.data(), batch);
+  law->stress_by_parameter_batch(parameters.data(), law->parameter_count() - 1, last);
+  Comparison energy(words + ": energy"), stress(words + ": stress"), tangent(words + ": tangent"),
+      ends(words + ": end"), by_parameter(words + ": by the last parameter");
+  for (std::size_t e = 0; e < kCount; ++e) {
+    double strain[kMaxStrains] = {}, state[kMaxLawState] = {};
+    for (int i = 0; i < strains; ++i) strain[i] = arrays.strain[i][e];
+    for (int s = 0; s < law->state_count(); ++s) state[s] = start[s][e];
+    LawOutput out{};
+    law->evaluate({strain, parameters.data(), state, batch.duration_s}, out);
+    energy.add(arrays.energy[e], out.energy);
+    for (int s = 0; s < law->state_count(); ++s) ends.add(end[s][e], out.state[s]);
+    for (int i = 0; i < strains; ++i) {
+      stress.add(arrays.stress[i][e], out.stress[i]);
+      by_parameter.add(by_last.stress[i][e],
+                       out.stress_by_parameter[i][law->parameter_count() - 1]);
+      for (int j = i; j < strains; ++j) tangent.add(arrays.tangent[i][j][e], out.tangent[i][j]);
+    }
+  }
+  energy.judge(1e-13, 1e-4);
+  stress.judge(1e-13, 1e-3);
+  tangent.judge(1e-12, 1e-1);
+  ends.judge(1e-13, 1e-2);
+  by_parameter.judge(1e-13, 1e-3);
+}
+
 TEST(LawBatch, AnswersAsEveryLawOfTheCatalogueDoes) {
   ASSERT_GE(model::law_catalogue().size(), 12U);
   Numbers numbers(11);
@@ -123,6 +172,7 @@ TEST(LawBatch, AnswersAsEveryLawOfTheCatalogueDoes) {
         for (model::Parameter& p : description.parameters)
           if (row.spline) p.value = numbers.between(0.0, 400.0);
         compare(description, strains, numbers);
+        if (row.path_dependent) compare_with_a_past(description, strains, numbers);
       }
     }
   }

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "common/model/catalogue.h"
 #include "common/model/presets.h"
 #include "common/scene/document.h"
 #include "common/scene/examples.h"
@@ -37,9 +38,9 @@ struct Walk {
   SceneEnd end;
 };
 
-Walk walk(const scene::Scene& scene, const char* model = "cloth_stvk") {
+Walk walk(const scene::Scene& scene, const model::Model& model) {
   Walk result;
-  auto run = SceneRun::make(scene, model::preset(model).value());
+  auto run = SceneRun::make(scene, model);
   EXPECT_TRUE(run) << (run ? "" : run.error().message);
   if (!run) return result;
   const auto end =
@@ -53,6 +54,10 @@ Walk walk(const scene::Scene& scene, const char* model = "cloth_stvk") {
     EXPECT_EQ(frame.net_force_N <= scene.solver.tolerance_N, true) << frame.net_force_N;
   }
   return result;
+}
+
+Walk walk(const scene::Scene& scene, const char* model = "cloth_stvk") {
+  return walk(scene, model::preset(model).value());
 }
 
 void expect_near(const Eigen::Vector3d& value, const Eigen::Vector3d& wanted, double tolerance) {
@@ -88,19 +93,10 @@ TEST(SceneRun, AHangingSquareIsCarriedByItsCorners) {
   }
 }
 
-/// Rigid sides on hinges: what the material does on all of them together is nothing, and the work
-/// done at the clips is the energy that the material has gained.
-TEST(SceneRun, PictureFrameShearDoesAsMuchWorkAsTheMaterialHolds) {
-  scene::Scene scene = shipped("picture_frame");
-  const auto& mesh = std::get<scene::GridMesh>(scene.mesh);
-  ASSERT_EQ(mesh.diagonals, "both");
-  scene.start.noise_m = 0.0;  // stays flat: the work below is that of one smooth path
-  scene.solver.check_minimum = false;
-  for (scene::Motion& motion : scene.protocol[0].motions) motion.turn_rad[2] /= 4.0;
-  const Walk done = walk(scene);
-  ASSERT_EQ(done.end.how, SceneEnd::How::complete) << done.end.reason;
+/// Work (J) of the four clips of a picture frame up to a frame; they bear nothing together.
+double frame_work_J(const Walk& done, std::size_t last) {
   double work_J = 0.0;
-  for (std::size_t i = 0; i < done.frames.size(); ++i) {
+  for (std::size_t i = 0; i <= last; ++i) {
     Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = Eigen::Vector3d::Zero();
     for (std::size_t c = 0; c < 4; ++c) {
       const Wrench& now = done.frames[i].reactions[c];
@@ -119,6 +115,21 @@ TEST(SceneRun, PictureFrameShearDoesAsMuchWorkAsTheMaterialHolds) {
     EXPECT_LE(force.norm(), 1e-4);
     EXPECT_LE(torque.norm(), 1e-5);
   }
+  return work_J;
+}
+
+/// Rigid sides on hinges: what the material does on all of them together is nothing, and the work
+/// done at the clips is the energy that the material has gained.
+TEST(SceneRun, PictureFrameShearDoesAsMuchWorkAsTheMaterialHolds) {
+  scene::Scene scene = shipped("picture_frame");
+  const auto& mesh = std::get<scene::GridMesh>(scene.mesh);
+  ASSERT_EQ(mesh.diagonals, "both");
+  scene.start.noise_m = 0.0;  // stays flat: the work below is that of one smooth path
+  scene.solver.check_minimum = false;
+  for (scene::Motion& motion : scene.protocol[0].motions) motion.turn_rad[2] /= 4.0;
+  const Walk done = walk(scene);
+  ASSERT_EQ(done.end.how, SceneEnd::How::complete) << done.end.reason;
+  const double work_J = frame_work_J(done, done.frames.size() - 1);
   const double held_J = done.frames.back().term_energies_J.sum();
   ASSERT_GT(held_J, 1e-4);
   EXPECT_NEAR(work_J, held_J, 0.02 * held_J);
@@ -126,6 +137,42 @@ TEST(SceneRun, PictureFrameShearDoesAsMuchWorkAsTheMaterialHolds) {
   const auto& last = done.frames.back().reactions;
   ASSERT_GT(last[1].force_N.norm(), 0.01);
   EXPECT_NEAR(last[1].force_N.norm(), last[2].force_N.norm(), 0.02 * last[1].force_N.norm());
+}
+
+// Friction in shear: the way back gives less than the way there took, and what is missing is what
+// the friction has taken.
+TEST(SceneRun, PictureFrameShearToAndFroLosesTheWorkOfItsFriction) {
+  scene::Scene scene = shipped("picture_frame");
+  scene.start.noise_m = 0.0;
+  scene.solver.check_minimum = false;
+  for (scene::Motion& motion : scene.protocol[0].motions) motion.turn_rad[2] /= 4.0;
+  scene::Phase back = scene.protocol[0];
+  for (scene::Motion& motion : back.motions) {
+    motion.turn_rad[2] = -motion.turn_rad[2];
+    for (double& move : motion.move_m) move = -move;
+  }
+  scene.protocol = {scene.protocol[0], back};
+  model::Model model = model::preset("cloth_stvk").value();
+  model::Term friction = model.terms[0];
+  friction.id = "shear_friction";
+  friction.strain.name = "green_uv";
+  friction.law = {};
+  friction.law.name = "dahl";
+  friction.law.parameters = model::default_parameters(*model::find_law("dahl"), 1);
+  friction.law.parameters[0].value = 4.0;
+  friction.law.parameters[3].value = 0.05;
+  model.terms.push_back(friction);
+  const Walk done = walk(scene, model);
+  ASSERT_EQ(done.end.how, SceneEnd::How::complete) << done.end.reason;
+  const std::size_t there = done.frames.size() / 2, home = done.frames.size() - 1;
+  const double out_J = frame_work_J(done, there), all_J = frame_work_J(done, home);
+  const Eigen::VectorXd& at_home = done.frames[home].term_energies_J;
+  const double lost_J = at_home[at_home.size() - 1];
+  ASSERT_GT(out_J, 1e-4);
+  EXPECT_GT(all_J, 0.1 * out_J);
+  EXPECT_NEAR(all_J, at_home.sum(), 0.02 * out_J);
+  EXPECT_NEAR(out_J, done.frames[there].term_energies_J.sum(), 0.02 * out_J);
+  EXPECT_GT(lost_J, 0.9 * all_J);
 }
 
 TEST(SceneRun, AFreeClipRestsUnderItsCordsAndWeight) {

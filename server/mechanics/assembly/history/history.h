@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a mesh remembers of its path: the state of every path-dependent law (friction, plastic slip,
+// viscosity, softening) on every element, at the start of a step.
+//
+//   h_(k+1) = H(x_(k+1), h_k, p)      E_k(x) = E(x, h_k, p)
+//
+// Within a step the laws have an incremental potential (law.h), so that E_k is an energy of x alone
+// whose derivative is the force: equilibrium and implicit time steps minimise it as they do without
+// history. Then the step is taken, and the next one starts from its end:
+//
+//   History history = model.never_strained();
+//   for (each frame) {
+//     history.duration_s = ...;                                  // where laws know time
+//     auto result = solver.solve(parameters, loads, state, options, &history);
+//     status = model.end_of_step(state.x, parameters, history, history.state);
+//   }
+//
+// The path of a strain within a step is taken to be straight: frames, or steps between them, are as
+// dense as reversals ask for. Derivatives by parameters are carried along by
+// sensitivity_along_path (equilibrium/sensitivity.h).
+//
+// Data of the caller.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace tenter::mechanics {
+
+struct History {
+  /// MeshModel::history_count() numbers, in an order of the model's own; zero: never strained.
+  Eigen::VectorXd state;
+  double duration_s = 0.0;  ///< of the step that starts here
+};
+
+}  // namespace tenter::mechanics

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// MeshModel's functions of the history: history.h.
+#include "server/mechanics/assembly/group.h"
+
+namespace tenter::mechanics {
+
+AssemblyStatus MeshModel::end_of_step(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
+                                      const History& history, Eigen::VectorXd& state) const {
+  state.resize(history_count_);
+  for (const auto& group : groups_) {
+    const AssemblyStatus status =
+        group->end_of_step(x.data(), parameters.data(), history, state.data());
+    if (status != AssemblyStatus::ok) return status;
+  }
+  return state.allFinite() ? AssemblyStatus::ok : AssemblyStatus::not_finite;
+}
+
+AssemblyStatus MeshModel::add_gradient_by_history(const Eigen::VectorXd& x,
+                                                  const Eigen::VectorXd& parameters,
+                                                  const History& history,
+                                                  const Eigen::MatrixXd& change,
+                                                  Eigen::MatrixXd& result) const {
+  for (const auto& group : groups_) {
+    const AssemblyStatus status =
+        group->add_by_history(x.data(), parameters.data(), history, change, result);
+    if (status != AssemblyStatus::ok) return status;
+  }
+  return result.allFinite() ? AssemblyStatus::ok : AssemblyStatus::not_finite;
+}
+
+AssemblyStatus MeshModel::carry_history_change(const Eigen::VectorXd& x,
+                                               const Eigen::VectorXd& parameters,
+                                               const History& history,
+                                               const Eigen::MatrixXd& x_change,
+                                               const std::vector<Eigen::Index>& columns,
+                                               Eigen::MatrixXd& change) const {
+  for (const auto& group : groups_) {
+    const AssemblyStatus status =
+        group->carry_change(x.data(), parameters.data(), history, x_change, columns, change);
+    if (status != AssemblyStatus::ok) return status;
+  }
+  return change.allFinite() ? AssemblyStatus::ok : AssemblyStatus::not_finite;
+}
+
+}  // namespace tenter::mechanics

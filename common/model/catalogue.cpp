@@ -149,6 +149,7 @@ const std::vector<LawRow>& law_catalogue() {
   static const std::vector<LawRow> rows = {
       // name, strains, spline, fewest points, path, rate, {{parameter, unit, lower, upper, default, fixed, per strain}...}, words
       {"linear", 0, false, 0, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "constant stiffness: energy k/2 |eps|^2"},
+      {"linear_stiffness", 0, false, 0, false, false, {{"k1", "N/m", 0.0, kNone, 100.0, false, 2}, {"k2", "N/m", kNone, kNone, 0.0, false, 3}}, "stiffness linear in the strain: stress (k1 + k2 |eps|) eps (thesis 5.3.2)"},
       {"bilinear", 2, false, 0, false, false, {{"c", "N/m", kNone, kNone, 10.0, false, 2}}, "coupling of two strains: energy c eps_1 eps_2"},
       {"hermite_stiffness", 0, true, 1, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "stress k(eps) eps with k a Hermite spline through non-negative control points (thesis 3.3.2)"},
       {"bspline_stiffness", 0, true, 1, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "stress k(eps) eps with k a B-spline of non-negative coefficients, cubic from four of them on"},

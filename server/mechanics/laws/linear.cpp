@@ -2,6 +2,7 @@
 #include "server/mechanics/laws/linear.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tenter::mechanics {
 
@@ -35,6 +36,20 @@ void LinearLaw::evaluate_batch(const double* parameters, const LawBatch& batch) 
   for (int i = 0; i < strain_count(); ++i)
     for (int j = i; j < strain_count(); ++j)
       std::fill_n(batch.tangent[i][j], count, i == j ? k : 0.0);
+}
+
+void LinearStiffnessLaw::evaluate(const LawInput& in, LawOutput& out) const {
+  const double k1 = in.parameters[0];
+  const double k2 = in.parameters[1];
+  for (int i = 0; i < strain_count(); ++i) {
+    const double strain = in.strain[i];
+    const double size = std::abs(strain);
+    out.energy += (0.5 * k1 + k2 * size / 3.0) * strain * strain;
+    out.stress[i] = (k1 + k2 * size) * strain;
+    out.tangent[i][i] = k1 + 2.0 * k2 * size;
+    out.stress_by_parameter[i][0] = strain;
+    out.stress_by_parameter[i][1] = size * strain;
+  }
 }
 
 void BilinearLaw::evaluate(const LawInput& in, LawOutput& out) const {

@@ -73,6 +73,7 @@ struct Row {
 
 constexpr Row kRows[] = {
     {"linear", make_each<LinearLaw>},
+    {"linear_stiffness", make_each<LinearStiffnessLaw>},
     {"bilinear", make_bilinear},
     {"hermite_stiffness", make_spline<SplineLaw::Form::hermite_stiffness>},
     {"bspline_stiffness", make_spline<SplineLaw::Form::bspline_stiffness>},

@@ -49,6 +49,7 @@ const std::vector<double> kFive = {120.0, 40.0, 300.0, 90.0, 500.0};
 TEST(ElasticLaws, HoldTheDerivativesOfALaw) {
   check_law({.words = "linear", .law = law_with("linear", {120.0})});
   check_law({.words = "linear on two", .law = law_with("linear", {120.0}), .strains = 2});
+  check_law({.words = "linear stiffness", .law = law_with("linear_stiffness", {120.0, 300.0})});
   check_law({.words = "bilinear", .law = law_with("bilinear", {-35.0}), .strains = 2});
   check_law({.words = "exponential fibre", .law = law_with("exponential_fibre", {80.0, 60.0})});
   for (const double alpha : {2.0, 1.3, 9.0, -4.0, 1e-3})

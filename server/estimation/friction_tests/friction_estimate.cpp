@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/estimation/friction_tests/friction_estimate.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+namespace tenter::estimation {
+namespace {
+
+constexpr std::array<int, 5> kReported = {kK1, kK2, kA, kB, kTau};
+
+std::string text_of(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
+}
+
+std::string with_unit(double value, const std::string& unit) {
+  return text_of(value) + (unit == "1" ? "" : " " + unit);
+}
+
+/// What is known of a number that the data do not tell.
+std::string words_for(const FrictionNumber& number) {
+  if (number.lo && number.hi)
+    return "not told: somewhere between " + with_unit(*number.lo, number.unit) + " and " +
+           with_unit(*number.hi, number.unit);
+  if (number.hi) return "not told: at most " + with_unit(*number.hi, number.unit);
+  if (number.lo) return "not told: at least " + with_unit(*number.lo, number.unit);
+  return "not told: the data look the same for any value";
+}
+
+void interval_from_covariance(const FitResult& fit, int parameter, const model::Parameter& p,
+                              FrictionNumber& number) {
+  const auto k = static_cast<std::size_t>(parameter);
+  if (fit.states[k] != ParameterState::free) return;
+  const double half = 1.959963984540054 * fit.std_error[parameter];
+  if (!p.lower || number.value - half > *p.lower) number.lo = number.value - half;
+  number.hi = number.value + half;
+}
+
+bool is_told(const FrictionNumber& number, const model::Parameter& p) {
+  if (!number.lo || !number.hi) return false;
+  constexpr double kWidest = 10.0;
+  return !p.lower || *number.hi <= kWidest * *number.lo;
+}
+
+}  // namespace
+
+void judge(const MakeFunction& make, const model::Model& start, const FrictionFitOptions& options,
+           FrictionEstimate& estimate) {
+  estimate.model = start;
+  store(estimate.fit, estimate.model);
+  estimate.gains_below = gains_below(values_of(estimate.fit.parameters));
+  auto parameters = parameters_of(estimate.model);
+  if (options.profiles) {
+    ProfileOptions how;
+    how.threads = options.threads;
+    how.scan = 1;
+    for (const int i : kReported)
+      if (!parameters[static_cast<std::size_t>(i)]->fixed) how.parameters.push_back(i);
+    estimate.profiles = profiles(make, estimate.model, estimate.fit, options.fit, how);
+  }
+  estimate.numbers.clear();
+  for (const int i : kReported) {
+    model::Parameter& p = *parameters[static_cast<std::size_t>(i)];
+    FrictionNumber number;
+    number.name = p.name;
+    number.unit = p.unit;
+    number.value = estimate.fit.parameters[i];
+    if (p.fixed) {
+      number.is_told = true;
+      estimate.numbers.push_back(number);
+      continue;
+    }
+    const auto profile =
+        std::find_if(estimate.profiles.begin(), estimate.profiles.end(),
+                     [&](const Profile& candidate) { return candidate.parameter == i; });
+    if (profile != estimate.profiles.end()) {
+      number.lo = profile->lo;
+      number.hi = profile->hi;
+    } else {
+      interval_from_covariance(estimate.fit, i, p, number);
+    }
+    number.is_told = is_told(number, p);
+    if (!number.is_told) number.words = words_for(number);
+    p.interval_lo = number.lo;
+    p.interval_hi = number.hi;
+    estimate.numbers.push_back(number);
+  }
+}
+
+}  // namespace tenter::estimation

@@ -79,8 +79,7 @@ AssemblyStatus MeshModel::active_limits(const Eigen::VectorXd& x, const Eigen::V
 }
 
 AssemblyStatus MeshModel::term_energies(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
-                                        Eigen::VectorXd& energies,
-                                        const History* history) const {
+                                        Eigen::VectorXd& energies, const History* history) const {
   energies.setZero(term_count_);
   for (const auto& group : groups_) {
     const AssemblyStatus status =

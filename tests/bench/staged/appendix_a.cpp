@@ -32,7 +32,7 @@ double seconds_since(Clock::time_point start) {
 struct Cell {
   estimation::AppendixRow row;
   std::string error;
-  double seconds = 0.0;
+  double cpu_seconds = 0.0;  ///< of its thread
 };
 
 double entry(const estimation::ScenarioResidual& r) {
@@ -65,7 +65,7 @@ void print(const std::string& fabric, const std::vector<Cell>& cells) {
       else
         std::printf(" %8.4f", entry(r));
     }
-    std::printf(" (%.0f s", cell.seconds);
+    std::printf(" (%.1f CPU s", cell.cpu_seconds);
     if (dropped > 0) std::printf(", %d frames dropped", dropped);
     if (restless > 0) std::printf(", %d frames without a rest", restless);
     std::printf(")\n");
@@ -77,7 +77,7 @@ nlohmann::json to_json(const std::string& fabric, const Cell& cell) {
   nlohmann::json row = {{"fabric", fabric},
                         {"variant", words_of(cell.row.variant)},
                         {"model", words_of(cell.row.variant.cloth)},
-                        {"seconds", cell.seconds},
+                        {"cpu_seconds", cell.cpu_seconds},
                         {"error", cell.error}};
   for (const auto* list : {&cell.row.training, &cell.row.others})
     for (const auto& r : *list)
@@ -129,7 +129,7 @@ int main(int argc, char** argv) {
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
       for (std::size_t k = next++; k < variants.size(); k = next++) {
-        const auto before = Clock::now();
+        const double before = bench::thread_cpu_seconds();
         estimation::StagedOptions options;
         options.stage.threads = 1;
         cells[k].row.variant = variants[k];
@@ -138,7 +138,7 @@ int main(int argc, char** argv) {
           cells[k].row = std::move(*row);
         else
           cells[k].error = row.error().message;
-        cells[k].seconds = seconds_since(before);
+        cells[k].cpu_seconds = bench::thread_cpu_seconds() - before;
       }
     };
     std::vector<std::thread> workers;

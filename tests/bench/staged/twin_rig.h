@@ -24,7 +24,8 @@ std::vector<estimation::RoleSequence> evaluation_sequences(const std::string& fa
                                                            const RigSettings& settings);
 
 double peak_memory_MB();
-double cpu_seconds();  ///< of the process, all threads: what a busy machine does not change much
+double cpu_seconds();
+double thread_cpu_seconds();  ///< of the process, all threads: what a busy machine does not change much
 
 /// "--name=value" of a command line, or what is given.
 std::string argument(int argc, char** argv, const std::string& name, const std::string& otherwise);

@@ -19,6 +19,20 @@ namespace {
 using estimation::Role;
 using estimation::RoleSequence;
 
+constexpr int kFewestNodes = 7;  // a side, that the protocols' clips find their lines
+
+/// What the generator would abort on is said here, before anything is made.
+void refuse_what_cannot_be(const RigSettings& settings) {
+  if (settings.nodes >= kFewestNodes && settings.frames >= 1) return;
+  if (settings.nodes < kFewestNodes)
+    std::fprintf(stderr,
+                 "--nodes=%d: the clips of the sequences need a grid of at least %d x %d nodes\n",
+                 settings.nodes, kFewestNodes, kFewestNodes);
+  else
+    std::fprintf(stderr, "--frames=%d: a sequence has at least one frame\n", settings.frames);
+  std::exit(1);
+}
+
 RoleSequence measured(const twin::Fabric& fabric, const std::string& protocol, Role role,
                       const RigSettings& settings) {
   twin::GridOptions grid;
@@ -38,6 +52,7 @@ RoleSequence measured(const twin::Fabric& fabric, const std::string& protocol, R
 std::vector<RoleSequence> all(const std::string& id,
                               const std::vector<std::pair<std::string, Role>>& protocols,
                               const RigSettings& settings) {
+  refuse_what_cannot_be(settings);
   std::vector<RoleSequence> sequences;
   sequences.reserve(protocols.size());
   for (const auto& [protocol, role] : protocols)

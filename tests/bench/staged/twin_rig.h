@@ -17,15 +17,16 @@ struct RigSettings {
   unsigned seed = 1;
 };
 
-/// The five sequences for fits, or the two for evaluation. Exits where a twin has no rest.
+/// The five sequences for fits, or the two for evaluation. Exits with a sentence where a twin has no
+/// rest, and where there are too few nodes (7 a side) or no frame.
 std::vector<estimation::RoleSequence> fitting_sequences(const std::string& fabric,
                                                         const RigSettings& settings);
 std::vector<estimation::RoleSequence> evaluation_sequences(const std::string& fabric,
                                                            const RigSettings& settings);
 
 double peak_memory_MB();
-double cpu_seconds();
-double thread_cpu_seconds();  ///< of the process, all threads: what a busy machine does not change much
+double cpu_seconds();         ///< of the process
+double thread_cpu_seconds();  ///< of the calling thread
 
 /// "--name=value" of a command line, or what is given.
 std::string argument(int argc, char** argv, const std::string& name, const std::string& otherwise);

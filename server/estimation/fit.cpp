@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/model/catalogue.h"
+#include "server/estimation/least_squares/bounded/bounded_marquardt.h"
 #include "server/estimation/least_squares/covariance.h"
 #include "server/estimation/least_squares/gauss_newton.h"
 #include "server/estimation/least_squares/objective.h"
@@ -89,6 +90,18 @@ void by_gauss_newton(Objective& objective, const Bounds& bounds, const FitOption
   result.message = describe(found.end);
 }
 
+void by_bounded_marquardt(Objective& objective, const Bounds& bounds, const FitOptions& options,
+                          Eigen::VectorXd& x, FitResult& result) {
+  const BoundedMarquardtOptions how{options.max_iterations, options.tolerance,
+                                    options.on_iteration};
+  const auto found = minimise_by_bounded_marquardt(objective, bounds.lower, bounds.upper, how, x);
+  result.iterations = found.iterations;
+  result.stopped = found.end == BoundedMarquardtEnd::stopped;
+  result.converged =
+      found.end == BoundedMarquardtEnd::converged || found.end == BoundedMarquardtEnd::no_descent;
+  result.message = describe(found.end);
+}
+
 }  // namespace
 
 FitResult fit(ResidualFunction& evaluator, const model::Model& start, const FitOptions& options) {
@@ -118,10 +131,18 @@ FitResult fit(ResidualFunction& evaluator, const model::Model& start, const FitO
     evaluator.set_accuracy(Accuracy::stepping);
     Objective objective(evaluator, all, free, scale, weights, options.loss);
     const Bounds bounds = bounds_of(parameters, free, scale);
-    if (options.method == FitMethod::trust_region)
-      by_trust_region(objective, bounds, options, x, result);
-    else
-      by_gauss_newton(objective, bounds, options, x, result);
+    switch (options.method) {
+      case FitMethod::trust_region:
+        by_trust_region(objective, bounds, options, x, result);
+        break;
+      case FitMethod::bounded_marquardt:
+        by_bounded_marquardt(objective, bounds, options, x, result);
+        break;
+      case FitMethod::gauss_newton:
+      case FitMethod::gauss_newton_damped:
+        by_gauss_newton(objective, bounds, options, x, result);
+        break;
+    }
     for (std::size_t i = 0; i < free.size(); ++i)
       all[free[i]] = x[static_cast<Eigen::Index>(i)] * scale[static_cast<Eigen::Index>(i)];
   } else {

@@ -5,8 +5,8 @@
 //   cost = sum over rows  weight * rho(r^2),   r = (predicted - measured) / sigma
 //
 // rho is the identity or a robust loss (Huber, Cauchy) for outliers. A point where the model finds
-// no equilibrium shortens the step, it does not end the fit. Ceres' trust region, or the thesis'
-// Gauss-Newton with line search (3.4.1).
+// no equilibrium shortens the step, it does not end the fit. Ceres' trust region, the thesis'
+// Gauss-Newton with line search (3.4.1), or Marquardt's steps within the bounds.
 // Deterministic, one thread.
 #pragma once
 
@@ -37,9 +37,10 @@ struct RobustLoss {
 };
 
 enum class FitMethod {
-  trust_region,        ///< Ceres
-  gauss_newton,        ///< thesis 3.4.1: line search, end when the residual falls by less than 1 %
-  gauss_newton_damped  ///< the same with additive Levenberg-Marquardt inside
+  trust_region,         ///< Ceres
+  gauss_newton,         ///< thesis 3.4.1: line search, end when the residual falls by less than 1 %
+  gauss_newton_damped,  ///< the same with additive Levenberg-Marquardt inside
+  bounded_marquardt     ///< Levenberg-Marquardt, each step the exact one within the bounds
 };
 
 struct FitOptions {

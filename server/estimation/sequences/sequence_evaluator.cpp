@@ -2,6 +2,7 @@
 #include "server/estimation/sequences/sequence_evaluator.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -166,7 +167,10 @@ bool SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, Derivative 
       walk(runs_[static_cast<std::size_t>(k)], thread, parameters, wanted);
     });
   } else {
+    const bool gives_up = accuracy_ == Accuracy::stepping && !is_here && base_ >= 0;
+    std::atomic<int> failed_at{static_cast<int>(all_frames_.size())};
     in_parallel(options_.threads, static_cast<int>(all_frames_.size()), [&](int thread, int k) {
+      if (k > failed_at) return;  // the first one that fails is found whatever the threads do
       const auto [s, f] = all_frames_[static_cast<std::size_t>(k)];
       FrameWork& work = *frames_[s][f];
       State& state = work.slots[last_].state;
@@ -176,14 +180,17 @@ bool SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, Derivative 
         const Eigen::MatrixXd& by_parameter = work.slots[base_].by_parameter.x;
         state.x += by_parameter * (options_.moving.empty() ? step : step(options_.moving).eval());
       }
-      SolveHow how{true, false, wanted};
+      SolveHow how{true, false, wanted, gives_up};
       if (solve_frame(s, f, thread, parameters, how)) return;
       const auto& measured = sequences_[s].frames[f].start;
-      if (!measured && base_ < 0) return;
-      work.failure.clear();
-      state = measured ? *measured : work.slots[base_].state;
-      how.is_near = false;
-      solve_frame(s, f, thread, parameters, how);
+      if (!gives_up && (measured || base_ >= 0)) {
+        work.failure.clear();
+        state = measured ? *measured : work.slots[base_].state;
+        how.is_near = false;
+        if (solve_frame(s, f, thread, parameters, how)) return;
+      }
+      for (int at = failed_at; k < at && !failed_at.compare_exchange_weak(at, k);) {
+      }
     });
   }
   for (const auto& works : frames_)
@@ -232,7 +239,8 @@ void SequenceEvaluator::walk(const Run& run, int thread, const Eigen::VectorXd& 
     state = *before;
     before = &state;
     const bool is_next = f > run.first;
-    if (!solve_frame(run.sequence, f, thread, parameters, {is_next, is_next, wanted})) return;
+    const bool is_near = is_next || (start && options_.starts_are_near);
+    if (!solve_frame(run.sequence, f, thread, parameters, {is_near, is_next, wanted})) return;
   }
 }
 
@@ -251,6 +259,7 @@ bool SequenceEvaluator::solve_frame(std::size_t sequence, std::size_t frame, int
   if (accuracy_ == Accuracy::stepping) {
     options.tolerance_N = std::max(options.tolerance_N, options_.stepping_tolerance_N);
     options.reuse_factor = true;
+    if (how.gives_up) options.max_iterations = options_.stepping_max_iterations;
   }
   options.start_is_near = how.is_near;
   options.check_minimum = how.wanted != Derivative::none;

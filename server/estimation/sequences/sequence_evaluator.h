@@ -42,6 +42,13 @@ struct SequenceOptions {
   /// The same while a fit is stepping, where larger. Steps with a factor that is there cost little:
   /// 1e-6 N saves a twentieth of a fit, and ends a tenth of a standard error beside its optimum.
   double stepping_tolerance_N = 1e-8;
+  /// Of Newton, for a frame that starts from its prediction while a fit is stepping. What needs
+  /// more of them is no longer where the sensitivities said: a shorter step costs less than its
+  /// rest.
+  int stepping_max_iterations = 40;
+  /// The frames' starts are rests of nearly these parameters: few iterations, and no positive share
+  /// of the stiffness to begin with.
+  bool starts_are_near = false;
   Weighting weighting = {};
   /// Jacobians by these parameters alone, the other columns zero; empty: by all. Those of a stage
   /// that holds most of a model cost a fraction.
@@ -102,6 +109,7 @@ class SequenceEvaluator final : public ResidualFunction {
     bool is_near = false;
     bool may_predict = false;  ///< from the solve before: only where one thread walks
     Derivative wanted = Derivative::none;
+    bool gives_up = false;  ///< after stepping_max_iterations
   };
 
   SequenceEvaluator() = default;

@@ -169,6 +169,7 @@ class Stage {
 
   SequenceOptions evaluator_options(const model::Model& model, const ParameterTies& ties) const {
     SequenceOptions options;
+    options.starts_are_near = starts_are_rests_;
     for (Eigen::Index p = 0; p < ties.map.rows(); ++p) {
       bool moves = false;
       for (Eigen::Index q = 0; q < ties.map.cols(); ++q)
@@ -220,6 +221,7 @@ class Stage {
     known_.reset();
     if (!evaluator) return tl::unexpected(evaluator.error());
     FitOptions options;
+    options.method = options_.method;
     options.max_iterations = options_.max_iterations;
     options.tolerance = options_.tolerance;
     options.loss = options_.loss;
@@ -238,6 +240,7 @@ class Stage {
     for (std::size_t s = 0; s < sequences_.size(); ++s)
       for (std::size_t f = 0; f < sequences_[s].frames.size(); ++f)
         sequences_[s].frames[f].start = fitted.states[s][f];
+    starts_are_rests_ = true;
     return fitted;
   }
 
@@ -274,11 +277,8 @@ class Stage {
       if (!law) return tl::unexpected(law.error());
       term.law = std::move(*law);
     }
-    auto ties = tie_terms(finer, task_.ties);
+    const auto ties = tie_terms(finer, task_.ties);
     if (!ties) return tl::unexpected(ties.error());
-    GapOptions from_near = options_.gap;  // the shapes are known but for what a point more does
-    from_near.most_rounds = std::min(from_near.most_rounds, 2);
-    improve_start(finer, *ties, fitted.result.chi2, from_near);
     return fit_curves(finer, *ties);
   }
 
@@ -348,7 +348,8 @@ class Stage {
   std::vector<std::vector<int>> taken_;  ///< frames of each given sequence, before any is left out
   std::vector<Sequence> sequences_;      ///< with these and the channels that count
   std::vector<Sequence> whole_;
-  std::optional<Trial> known_;  ///< where the next fit begins
+  std::optional<Trial> known_;     ///< where the next fit begins
+  bool starts_are_rests_ = false;  ///< of the last fit
   std::vector<model::StrainRange> ranges_;
   bool has_ranges_ = false;
 };

@@ -48,6 +48,7 @@ struct StageOptions {
   double outliers = 0.005;    ///< share of the area at each end of the strains
   bool first_guess = true;    ///< by the equation gap
   GapOptions gap;
+  FitMethod method = FitMethod::bounded_marquardt;
   int max_iterations = 30;    ///< of each fit
   double tolerance = 1e-3;    ///< relative fall of the cost
   double tolerance_N = 1e-7;  ///< of the net force of a frame at rest

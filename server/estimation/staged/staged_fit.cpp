@@ -94,7 +94,10 @@ class StagedFit {
     options.threads = std::max(1, options_.stage.threads / at_once);
     options.on_progress = [&](const StageProgress& progress) { return report(progress); };
     const bool is_last = wave.front().name == kCoupled;
-    if (options_.coupled && !is_last) options.most_frames = options_.early_frames;
+    if (options_.coupled && !is_last) {
+      options.most_frames = options_.early_frames;
+      options.tolerance = std::max(options.tolerance, options_.early_tolerance);
+    }
     std::vector<model::Model> models(count, result_.model);
     std::vector<std::optional<Expected<StageRecord>>> records(count);
     in_parallel(at_once, static_cast<int>(count), [&](int, int i) {

@@ -33,11 +33,13 @@ namespace tenter::estimation {
 struct StagedResult;
 
 struct StagedOptions {
-  StageOptions stage;     ///< its threads are those of the whole fit
-  bool repeat = true;     ///< shear and bending once more
-  bool coupled = true;    ///< and all together
-  int early_frames = 20;  ///< of a sequence, in the stages before the coupled one, where there is
-                          ///< one; 0: all
+  StageOptions stage;   ///< its threads are those of the whole fit
+  bool repeat = true;   ///< shear and bending once more
+  bool coupled = true;  ///< and all together
+  /// In the stages before the coupled one, where there is one: frames of a sequence (0: all), and
+  /// the least relative fall of the cost (the thesis ends at 1 % of the residual: 0.02).
+  int early_frames = 10;
+  double early_tolerance = 1e-2;
   std::vector<std::vector<std::string>> ties;  ///< groups of terms that share a curve
   /// Called with all that was done so far, whenever stages have ended. Such a result (of the same
   /// model, sequences and options) as `resume` is gone on from, and ends in the same bytes: stages

@@ -221,8 +221,8 @@ TEST(LeastSquares, AFailedEquilibriumShortensTheStep) {
   model::Model model = two_parameters();
   parameters_of(model)[0]->value = 0.5;
   parameters_of(model)[1]->fixed = true;
-  for (const FitMethod method :
-       {FitMethod::trust_region, FitMethod::gauss_newton, FitMethod::gauss_newton_damped}) {
+  for (const FitMethod method : {FitMethod::trust_region, FitMethod::gauss_newton,
+                                 FitMethod::gauss_newton_damped, FitMethod::bounded_marquardt}) {
     Cliff cliff(static_cast<int>(parameters_of(model).size()));
     FitOptions options;
     options.method = method;
@@ -235,7 +235,7 @@ TEST(LeastSquares, AFailedEquilibriumShortensTheStep) {
 }
 
 /// The full step crosses the bound, and cut off there it goes up: p0 is found with p1 held.
-TEST(LeastSquares, BothMethodsFindTheOptimumAtABound) {
+TEST(LeastSquares, AllMethodsFindTheOptimumAtABound) {
   model::Model model = two_parameters();
   parameters_of(model)[1]->lower = 0.0;
   Line line(static_cast<int>(parameters_of(model).size()), 100, 20, 1.0);
@@ -246,13 +246,54 @@ TEST(LeastSquares, BothMethodsFindTheOptimumAtABound) {
   const FitResult ceres = fit(line, model, options);
   options.method = FitMethod::gauss_newton;
   const FitResult own = fit(line, model, options);
-  ASSERT_TRUE(ceres.usable && own.usable);
-  EXPECT_EQ(own.states[1], ParameterState::at_bound);
-  EXPECT_EQ(ceres.states[1], ParameterState::at_bound);
-  for (const FitResult& found : {ceres, own}) {
+  options.method = FitMethod::bounded_marquardt;
+  const FitResult exact = fit(line, model, options);
+  for (const FitResult& found : {ceres, own, exact}) {
+    ASSERT_TRUE(found.usable && found.converged) << found.message;
+    EXPECT_EQ(found.states[1], ParameterState::at_bound);
     EXPECT_NEAR(found.parameters[0], line.measured.mean(), 1e-9);
     EXPECT_NEAR(found.parameters[1], 0.0, 1e-9);
   }
+}
+
+/// A linear problem whose free optimum is across the bounds: the exact step finds within them what
+/// one that is cut off there needs many evaluations for.
+TEST(LeastSquares, AStepWithinTheBoundsIsOneEvaluation) {
+  model::Model model = two_parameters();
+  parameters_of(model)[0]->upper = 1.5;
+  parameters_of(model)[1]->lower = 0.0;
+  class Counted final : public ResidualFunction {
+   public:
+    explicit Counted(int parameters) : line(parameters, 100, 20, 1.0) {}
+    int parameter_count() const override { return line.parameter_count(); }
+    const std::vector<Row>& rows() const override { return line.rows(); }
+    mechanics::PathStatus evaluate(const Eigen::VectorXd& p, Eigen::VectorXd& r,
+                                   RowMatrix* j) override {
+      if (!j) ++evaluations;
+      return line.evaluate(p, r, j);
+    }
+    Line line;
+    int evaluations = 0;
+  };
+  Counted counted(static_cast<int>(parameters_of(model).size()));
+  for (int k = 0; k < counted.row_count(); ++k)
+    counted.line.measured[k] = 2.0 + 3.0 * counted.line.t(k);
+  FitOptions options;
+  options.method = FitMethod::bounded_marquardt;
+  options.tolerance = 1e-4;
+  const FitResult found = fit(counted, model, options);
+  ASSERT_TRUE(found.usable && found.converged) << found.message;
+  EXPECT_DOUBLE_EQ(found.parameters[0], 1.5);
+  // slope alone, through 1.5
+  double along = 0.0, length = 0.0;
+  for (int k = 0; k < counted.row_count(); ++k) {
+    const double t = counted.line.t(k);
+    along += t * (counted.line.measured[k] - 1.5);
+    length += t * t;
+  }
+  ASSERT_GT(along / length, 3.1);  // not the free optimum's
+  EXPECT_NEAR(found.parameters[1], along / length, 1e-3);
+  EXPECT_LE(counted.evaluations, 3);  // the start, the step, and one for the damping
 }
 
 }  // namespace

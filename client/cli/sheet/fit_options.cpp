@@ -80,6 +80,14 @@ void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft) {
       ->type_name("N")
       ->check(CLI::Range(3, 201));
   command
+      .add_option(
+          "--grid", draft.grid,
+          "Sheets: lines of the simulated sheet through the ends of clips and dense towards "
+          "their corners (graded), or everywhere alike (equal). Springs are always on equal "
+          "cells. Default: graded.")
+      ->type_name("WORD")
+      ->check(CLI::IsMember({"graded", "equal"}));
+  command
       .add_option("--points", draft.points,
                   "Sheets: compare at most so many vertices of a capture. Default: all.")
       ->type_name("N")
@@ -135,6 +143,7 @@ Expected<void> complete_options(const SheetFitDraft& draft, const std::vector<st
     options["held_out"].push_back(*id);
   }
   if (draft.resolution >= 0) options["resolution"] = draft.resolution;
+  if (!draft.grid.empty()) options["grid"] = draft.grid;
   if (draft.points >= 0) options["points"] = draft.points;
   if (draft.max_control_points >= 0) options["max_control_points"] = draft.max_control_points;
   if (!draft.start.empty()) options["start"] = draft.start;

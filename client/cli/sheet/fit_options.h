@@ -24,6 +24,7 @@ struct SheetFitDraft {
   std::vector<std::string> held_out;  ///< captures as they were named
   std::vector<std::string> weights;   ///< "CAPTURE=NUMBER"
   int resolution = -1;
+  std::string grid;
   int points = -1;
   int max_control_points = -1;
   std::string start;

@@ -32,7 +32,7 @@ class Making {
   Expected<CapturedSequence> run() {
     sequence().name = capture_.title;
     if (auto ok = choose_frames(); !ok) return tl::unexpected(ok.error());
-    auto cloth = cloth_of(sheet_, options_);
+    auto cloth = cloth_of(sheet_, options_, out_.frame, out_.use.has_graded_grid);
     if (!cloth) return tl::unexpected(cloth.error());
     sequence().cloth = std::move(*cloth);
     if (auto ok = make_loads(); !ok) return tl::unexpected(ok.error());
@@ -364,7 +364,8 @@ class Making {
 std::string in_words(const CaptureUse& use) {
   std::string text = std::to_string(use.points) + " of " + std::to_string(use.vertices) +
                      " vertices compared in " + std::to_string(use.frames) + " frames, " +
-                     std::to_string(use.readings) + " coordinates";
+                     std::to_string(use.readings) + " coordinates" +
+                     (use.has_graded_grid ? ", on a graded grid" : "");
   std::string left_out;
   const auto add = [&left_out](int count, const char* why) {
     if (count > 0) left_out += (left_out.empty() ? "" : ", ") + std::to_string(count) + " " + why;

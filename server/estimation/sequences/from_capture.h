@@ -8,7 +8,8 @@
 //   sequences.push_back(std::move(captured->sequence));
 //
 // Mesh. A grid over the specimen's rectangle of material (inside of an outline that is none, an
-// irregular mesh of as many nodes), or the capture's own mesh. Clips clamp
+// irregular mesh of as many nodes), or the capture's own mesh. A graded grid has as many lines, but
+// where the sequence's clips and table want them (material/grid_layout.h). Clips clamp
 // the nodes inside their region; where the capture names vertices, the nodes between those. A
 // support holds the nodes beyond its edge and the line of nodes before it, frame by frame. Clamped
 // and held nodes lie where the poses put them, flat and as at rest.
@@ -44,6 +45,10 @@ struct FromCaptureOptions {
   bool use_own_mesh = false;  ///< else a grid
   int nodes_u = 25;
   int nodes_v = 0;  ///< 0: as many as make the cells squares, nearly; of a square 25
+  /// Lines of the grid through the ends of clips, dense towards their corners inside the cloth and
+  /// half way about the table's edges. Not for models of springs, which diagonals of slender cells
+  /// make another material (mesh/springs.h).
+  bool is_graded = false;
   mechanics::Diagonals diagonals = mechanics::Diagonals::both;  ///< bends alike in all directions
   /// The grid's corners in the material. None: the capture's outline, or else its mesh.
   std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rectangle_m = {};
@@ -80,6 +85,7 @@ struct CaptureUse {
   int held = 0;        ///< coordinates of these points where all nodes about them are held
   int missing_forces = 0;
   int frames = 0;
+  bool has_graded_grid = false;             ///< its cells are not all alike
   std::vector<std::size_t> dropped_frames;  ///< a free clip's cord was not measured
   std::vector<int> clip_nodes;              ///< of each clip
 };

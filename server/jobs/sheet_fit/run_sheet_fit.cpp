@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "common/base/atomic_write.h"
+#include "common/model/catalogue.h"
 #include "common/model/document.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/staged/splines/strain_histogram.h"
@@ -117,6 +118,14 @@ model::Model comparable(model::Model start) {
   return start;
 }
 
+/// Another material on slender cells (mesh/springs.h).
+bool has_springs(const model::Model& model) {
+  return std::any_of(model.terms.begin(), model.terms.end(), [](const model::Term& term) {
+    const auto* strain = model::find_strain(term.strain.name);
+    return strain != nullptr && strain->domain == model::Domain::edge;
+  });
+}
+
 Expected<StagedResult> run_stages(const JobInput& input, SheetFindings& found, int threads,
                                   LiveProgress& live, const std::stop_token& stop) {
   const std::vector<RoleSequence> measured = fitted_sequences(found.inputs);
@@ -180,6 +189,7 @@ Expected<void> run_sheet_fit(const JobInput& input, const json& spec,
   auto options = read_sheet_options(spec.value("options", json::object()), ids);
   if (!options) return tl::unexpected(options.error());
   found.options = std::move(*options);
+  if (has_springs(found.start)) found.options.has_graded_grid = false;
   report({"prepare", std::to_string(ids.size()) + " captures", 0, 0.0, 0.02});
   auto inputs = sheet_inputs(std::move(captures), found.options);
   if (!inputs) return tl::unexpected(inputs.error());

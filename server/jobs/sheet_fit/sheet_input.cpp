@@ -8,6 +8,7 @@ Expected<std::vector<SheetInput>> sheet_inputs(
     const SheetFitOptions& options) {
   estimation::FromCaptureOptions how;
   how.nodes_u = how.nodes_v = options.resolution;
+  how.is_graded = options.has_graded_grid;
   how.most_points = options.points;
   how.unknown_sigma_m = options.sigma_m;
   how.unknown_sigma_N = options.sigma_N;

@@ -23,6 +23,7 @@ constexpr Word<Role> kRoles[] = {{"stretch_u", Role::stretch_u}, {"stretch_v", R
                                  {"shear", Role::shear},         {"bend_u", Role::bend_u},
                                  {"bend_v", Role::bend_v},       {"evaluation", Role::evaluation}};
 constexpr Word<bool> kStarts[] = {{"equation_gap", true}, {"model", false}};
+constexpr Word<bool> kGrids[] = {{"graded", true}, {"equal", false}};
 constexpr Word<Channels> kChannels[] = {{"thesis", Channels::thesis}, {"all", Channels::all}};
 constexpr Word<Loss> kLosses[] = {
     {"none", Loss::none}, {"huber", Loss::huber}, {"cauchy", Loss::cauchy}};
@@ -178,6 +179,7 @@ Expected<SheetFitOptions> read_sheet_options(const json& given,
   const json none = json::object();
   OptionReader reader(given.is_null() ? none : given, captures);
   reader.whole("resolution", 3, 201, options.resolution);
+  reader.word("grid", kGrids, options.has_graded_grid);
   reader.whole("points", 0, 1000000, options.points);
   reader.word("start", kStarts, options.first_guess);
   reader.flag("staged", options.staged);
@@ -206,6 +208,7 @@ json options_json(const SheetFitOptions& options) {
         ->word;
   };
   json all = {{"resolution", options.resolution},
+              {"grid", word(kGrids, options.has_graded_grid)},
               {"points", options.points},
               {"start", word(kStarts, options.first_guess)},
               {"staged", options.staged},

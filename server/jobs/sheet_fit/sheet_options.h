@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The options of a fit to captures of a deforming sheet, from the job's specification.
 //
-//   {"resolution": 25, "points": 2000, "start": "equation_gap" | "model", "staged": true,
+//   {"resolution": 25, "grid": "graded" | "equal", "points": 2000, "start": "equation_gap" |
+//   "model", "staged": true,
 //    "max_control_points": 5, "channels": "thesis" | "all", "roles": {"<capture>": "stretch_u"},
 //    "held_out": ["<capture>"], "weights": {"<capture>": 2.0}, "robust": "none" | "huber" |
 //    "cauchy", "profiles": true, "sigma_m": 1e-4, "sigma_N": 0.003}
 //
-// All may be absent. A staged fit needs a role for every capture that is fitted; "evaluation" is
-// the role of what is held out. "profiles" asks for a word and an interval by profile likelihood
-// for each free parameter, which costs more than the fit. sigma_m and sigma_N stand in for captures
-// that do not say theirs.
+// All may be absent. Models of springs are simulated on equal cells in any case. A staged fit needs
+// a role for every capture that is fitted; "evaluation" is the role of what is held out. "profiles"
+// asks for a word and an interval by profile likelihood for each free parameter, which costs more
+// than the fit. sigma_m and sigma_N stand in for captures that do not say theirs.
 #pragma once
 
 #include <map>
@@ -24,8 +25,9 @@
 namespace tenter::jobs {
 
 struct SheetFitOptions {
-  int resolution = 25;  ///< nodes on a side of the simulated grid
-  int points = 0;       ///< vertices of a capture that are compared; 0: all
+  int resolution = 25;          ///< nodes on a side of the simulated grid
+  bool has_graded_grid = true;  ///< see estimation/sequences/material/grid_layout.h
+  int points = 0;               ///< vertices of a capture that are compared; 0: all
   bool first_guess = true;
   bool staged = true;
   int max_control_points = 5;

@@ -6,6 +6,11 @@
 namespace tenter::mechanics {
 
 Expected<Cloth> cloth_of_grid(const Grid& grid, Diagonals diagonals) {
+  if (auto good = check(grid); !good) return tl::unexpected(good.error());
+  return cloth_of_grid(lines_of(grid), diagonals);
+}
+
+Expected<Cloth> cloth_of_grid(const GridLines& grid, Diagonals diagonals) {
   auto mesh = grid_mesh(grid, diagonals);
   if (!mesh) return tl::unexpected(mesh.error());
   auto springs = grid_springs(grid);

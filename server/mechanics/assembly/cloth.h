@@ -25,6 +25,7 @@ struct Cloth {
 
 /// Springs along the grid's lines and both diagonals, whatever the triangles.
 Expected<Cloth> cloth_of_grid(const Grid& grid, Diagonals diagonals);
+Expected<Cloth> cloth_of_grid(const GridLines& lines, Diagonals diagonals);
 
 /// Springs are the edges of the triangles. bad_input as check(mesh).
 Expected<Cloth> cloth_of_mesh(SurfaceMesh mesh);

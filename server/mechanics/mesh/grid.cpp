@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/mechanics/mesh/grid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -49,14 +50,43 @@ Expected<void> check(const Grid& grid) {
   return {};
 }
 
+Expected<void> check(const GridLines& lines) {
+  const Grid size{static_cast<int>(std::min<std::size_t>(lines.u_m.size(), kMostGridNodes)),
+                  static_cast<int>(std::min<std::size_t>(lines.v_m.size(), kMostGridNodes)), 1.0,
+                  1.0};
+  if (Expected<void> checked = check(size); !checked) return checked;
+  for (const auto* along : {&lines.u_m, &lines.v_m})
+    for (std::size_t k = 0; k < along->size(); ++k)
+      if (!std::isfinite((*along)[k]) || (k > 0 && !((*along)[k] > (*along)[k - 1])))
+        return bad_input("grid: line " + std::to_string(k + 1) + " at " +
+                         std::to_string((*along)[k]) + " m does not rise");
+  return {};
+}
+
+GridLines lines_of(const Grid& grid) {
+  GridLines lines;
+  for (int i = 0; i < grid.nodes_u; ++i)
+    lines.u_m.push_back(grid.length_u_m * i / (grid.nodes_u - 1));
+  for (int j = 0; j < grid.nodes_v; ++j)
+    lines.v_m.push_back(grid.length_v_m * j / (grid.nodes_v - 1));
+  return lines;
+}
+
 Expected<SurfaceMesh> grid_mesh(const Grid& grid, Diagonals diagonals) {
   if (Expected<void> checked = check(grid); !checked) return tl::unexpected(checked.error());
+  return grid_mesh(lines_of(grid), diagonals);
+}
+
+Expected<SurfaceMesh> grid_mesh(const GridLines& lines, Diagonals diagonals) {
+  if (Expected<void> checked = check(lines); !checked) return tl::unexpected(checked.error());
+  const Grid grid{static_cast<int>(lines.u_m.size()), static_cast<int>(lines.v_m.size()),
+                  lines.u_m.back() - lines.u_m.front(), lines.v_m.back() - lines.v_m.front()};
   SurfaceMesh mesh;
   mesh.material_m.resize(2, grid.node_count());
   for (int j = 0; j < grid.nodes_v; ++j)
     for (int i = 0; i < grid.nodes_u; ++i)
-      mesh.material_m.col(grid.node(i, j)) << grid.length_u_m * i / (grid.nodes_u - 1),
-          grid.length_v_m * j / (grid.nodes_v - 1);
+      mesh.material_m.col(grid.node(i, j)) << lines.u_m[static_cast<std::size_t>(i)],
+          lines.v_m[static_cast<std::size_t>(j)];
 
   if (diagonals == Diagonals::both) {
     add_layer(grid, Diagonals::one, mesh);

@@ -3,8 +3,14 @@
 //
 //   auto mesh = grid_mesh({25, 25, 0.1, 0.1}, Diagonals::alternating);   // 100 mm square, 25 x 25
 //
-// Node (i, j) has index j * nodes_u + i and lies at (i du, j dv), du = length_u / (nodes_u - 1).
+// Node (i, j) has index j * nodes_u + i and lies at (i du, j dv), du = length_u / (nodes_u - 1); on
+// lines of their own (grid_lines.h) at (u_i, v_j). Triangles of slender cells measure stretch and
+// shear as any others do, hinges a bend along the lines; but a twist K_uv turns the hinges along v
+// by 3 K_uv dv / du, and diagonals flatter than 22.5 degrees count as weft or warp (direction.h).
+// So grids of unlike spacings are for sheets that stay flat or bend along their lines.
 #pragma once
+
+#include <vector>
 
 #include "common/base/error.h"
 #include "server/mechanics/mesh/surface_mesh.h"
@@ -22,6 +28,15 @@ struct Grid {
   double du_m() const { return length_u_m / (nodes_u - 1); }
   double dv_m() const { return length_v_m / (nodes_v - 1); }
 };
+
+/// Rising places of the lines (m), at least two along each axis.
+struct GridLines {
+  std::vector<double> u_m;
+  std::vector<double> v_m;
+};
+
+/// Of equal spacing, from 0. The grid must pass check().
+GridLines lines_of(const Grid& grid);
 
 /// How quads are split. `both` is `one` and `other` laid over each other, each with half the
 /// material: every quad is covered twice, by its two splittings, in two layers of weight 1/2 (see
@@ -43,5 +58,9 @@ Expected<void> check(const Grid& grid);
 /// Triangles of a grid that passes check(); cells so slender that they fail check(SurfaceMesh) are
 /// bad_input too.
 Expected<SurfaceMesh> grid_mesh(const Grid& grid, Diagonals diagonals);
+
+/// bad_input as check(GridLines): fewer than two, more than kMostGridNodes nodes, or not rising.
+Expected<void> check(const GridLines& lines);
+Expected<SurfaceMesh> grid_mesh(const GridLines& lines, Diagonals diagonals);
 
 }  // namespace tenter::mechanics

@@ -37,36 +37,45 @@ constexpr std::array<Family, 4> kFamilies = {{{1, 0, Direction::weft},
                                               {1, 1, Direction::diagonal},
                                               {1, -1, Direction::diagonal}}};
 
-/// Widths, in cells, of what each spring stands for along one axis of n nodes, by the index of its
-/// first node along that axis (smaller one). They sum to n - 1.
-std::vector<double> shares(int nodes, int extent) {
-  const auto count = static_cast<std::size_t>(std::max(0, nodes - extent));
-  std::vector<double> width(count, 1.0);
-  if (count == 0) return width;
-  if (extent == 0) {  // lines: half a cell on the boundary
-    width.front() = width.back() = 0.5;
-  } else if (extent == 2) {  // middles: half a cell more towards the boundary
-    width.front() += 0.5;
-    width.back() += 0.5;
+/// Widths of what each spring stands for along one axis with these lines, by the index of its first
+/// node along that axis (smaller one). They sum to the distance of the outermost lines.
+std::vector<double> shares(const std::vector<double>& lines, int extent) {
+  const std::size_t nodes = lines.size(), reach = static_cast<std::size_t>(extent);
+  std::vector<double> width;
+  for (std::size_t k = 0; k + reach < nodes; ++k) {
+    if (extent == 1) {  // the cells themselves
+      width.push_back(lines[k + 1] - lines[k]);
+      continue;
+    }
+    // what is nearer to the line, or to the middle one of three, than to another spring's
+    const std::size_t at = k + reach / 2;
+    const bool is_first = k == 0, is_last = k + reach + 1 == nodes;
+    const double from = is_first ? lines.front() : 0.5 * (lines[at - 1] + lines[at]);
+    const double to = is_last ? lines.back() : 0.5 * (lines[at] + lines[at + 1]);
+    width.push_back(to - from);
   }
-  return width;  // extent 1: the cells themselves
+  return width;
 }
 
-void add_family(const Grid& grid, const Family& family, int reach, std::vector<Spring>& out) {
+void add_family(const GridLines& lines, const Family& family, int reach, std::vector<Spring>& out) {
+  const int nodes_u = static_cast<int>(lines.u_m.size());
   const int extent_u = family.step_u * reach;
   const int extent_v = std::abs(family.step_v) * reach;
-  const std::vector<double> width_u = shares(grid.nodes_u, extent_u);
-  const std::vector<double> width_v = shares(grid.nodes_v, extent_v);
-  const Eigen::Vector2d along(extent_u * grid.du_m(), family.step_v * reach * grid.dv_m());
+  const std::vector<double> width_u = shares(lines.u_m, extent_u);
+  const std::vector<double> width_v = shares(lines.v_m, extent_v);
   for (std::size_t j = 0; j < width_v.size(); ++j)
     for (std::size_t i = 0; i < width_u.size(); ++i) {
-      const int left = static_cast<int>(i);
-      const int low = static_cast<int>(j);
-      const int first = family.step_v < 0 ? low + extent_v : low;
-      const int second = family.step_v < 0 ? low : low + extent_v;
-      out.push_back({grid.node(left, first), grid.node(left + extent_u, second), along.norm(),
-                     width_u[i] * grid.du_m() * width_v[j] * grid.dv_m(), family.direction,
-                     line_angle(along)});
+      const auto right = i + static_cast<std::size_t>(extent_u);
+      const auto high = j + static_cast<std::size_t>(extent_v);
+      const Eigen::Vector2d along(
+          lines.u_m[right] - lines.u_m[i],
+          (family.step_v < 0 ? -1.0 : 1.0) * (lines.v_m[high] - lines.v_m[j]));
+      const auto node = [&](std::size_t column, std::size_t row) {
+        return static_cast<int>(row) * nodes_u + static_cast<int>(column);
+      };
+      out.push_back({node(i, family.step_v < 0 ? high : j),
+                     node(right, family.step_v < 0 ? j : high), along.norm(),
+                     width_u[i] * width_v[j], family.direction, line_angle(along)});
     }
 }
 
@@ -113,6 +122,11 @@ std::vector<Spring> share_out(std::vector<Spring> springs, double sheet_m2) {
 }  // namespace
 
 Expected<Springs> grid_springs(const Grid& grid) {
+  if (Expected<void> checked = check(grid); !checked) return tl::unexpected(checked.error());
+  return grid_springs(lines_of(grid));
+}
+
+Expected<Springs> grid_springs(const GridLines& grid) {
   if (Expected<void> checked = check(grid); !checked) return tl::unexpected(checked.error());
   Springs springs;
   for (const Family& family : kFamilies) {

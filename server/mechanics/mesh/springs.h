@@ -54,6 +54,12 @@ struct Springs {
 /// same four lines; none along a direction with fewer than three nodes. bad_input as check(Grid).
 Expected<Springs> grid_springs(const Grid& grid);
 
+/// The same on lines of their own. Families still sum to the sheet, so what weft and warp springs
+/// do in a homogeneous stretch is exact; but diagonals of slender cells lie near to an axis and
+/// measure mostly stretch, and a ring-2 spring's strain depends on its length: the spring model on
+/// such a grid is another material.
+Expected<Springs> grid_springs(const GridLines& lines);
+
 /// Ring 1: the edges. Ring 2: the opposite corners of each interior edge. Both sorted by (a, b),
 /// a < b; what several layers of a mesh share is one spring. The mesh must pass check().
 Springs mesh_springs(const SurfaceMesh& mesh);

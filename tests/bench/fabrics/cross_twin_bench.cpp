@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tenter-bench-cross-twin [fabric] [nodes] [frames] [friction 0|1] [twist 0|1]: the five sequences
-// of a twin from the smooth sheet, which shares nothing with the fit, are fitted on a grid; then
-// how far the curves are off, and how well the two sequences that were left out are predicted,
-// beside the noise; then the same without the error of the grid itself (sequences/discretisation).
-// These five sequences hardly see twist: with 1 its stiffness is given, to tell what that costs.
+// tenter-bench-cross-twin [fabric] [nodes] [frames] [friction 0|1] [twist 0|1] [beta]: the five
+// sequences of a twin from the smooth sheet, which shares nothing with the fit, are fitted on a
+// grid; then how far the curves are off, and how well the two sequences that were left out are
+// predicted, beside the noise; then the same without the error of the grid itself
+// (sequences/discretisation). These five sequences hardly see twist: with 1 its stiffness is given,
+// to tell what that costs. beta: of the graded grid (default: as fits have it); 0: equal cells.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -15,6 +16,7 @@
 #include "common/model/catalogue.h"
 #include "server/estimation/fit.h"
 #include "server/estimation/sequences/discretisation/grid_error.h"
+#include "server/estimation/sequences/material/grid_layout.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
 #include "server/mechanics/law.h"
 #include "tests/bench/fabrics/frame_errors.h"
@@ -159,29 +161,34 @@ void print_prediction(const Sequence& sequence, const model::Model& fitted,
 }
 
 /// A sequence on the grid and on one of half its spacing, with the same measured values. Of bending
-/// a third, which leaves the table's edge half way between two lines; it converges by the second
-/// order.
+/// on equal cells a third, which leaves the table's edge half way between two lines; it converges
+/// by the second order.
 struct TwoGrids {
   Sequence coarse, fine;
+  double order;  ///< that tenter-bench-discretisation finds
 };
 constexpr std::size_t kTraining = 5;
 constexpr double kShareAsSigma = 0.15;
 
-Expected<std::vector<TwoGrids>> make_twins(const twin::Fabric& cloth, int nodes, int frames) {
+Expected<std::vector<TwoGrids>> make_twins(const twin::Fabric& cloth, int nodes, int frames,
+                                           double beta) {
   std::vector<TwoGrids> twins;
   twin::Random random(twin::stream_seed(1, "rig"));
   for (const std::string& name : twin::protocol_names()) {
     const double begin = seconds();
     twin::CrossOptions options;
     options.grid.holds_line_beyond_edge = true;
+    options.grid.grading = beta;
+    const int finer = is_bend(name) && beta == 0.0 ? 3 : 2;
     auto made = twin::cross_twins(
         cloth, twin::make_protocol(cloth, name, {.frames = frames, .cells = nodes - 1}), options,
-        {nodes, (is_bend(name) ? 3 : 2) * (nodes - 1) + 1});
+        {nodes, finer * (nodes - 1) + 1});
     if (!made) return tl::unexpected(made.error());
     std::printf("  %-14s made in %5.1f s: %d unknowns, %d steps of Newton's method\n", name.c_str(),
                 seconds() - begin, made->front().unknowns, made->front().iterations);
     std::fflush(stdout);
-    twins.push_back({std::move((*made)[0].sequence), std::move((*made)[1].sequence)});
+    const double order = is_bend(name) ? 2.0 : beta > 0.0 ? 1.7 : 1.3;
+    twins.push_back({std::move((*made)[0].sequence), std::move((*made)[1].sequence), order});
     TwoGrids& twin = twins.back();
     twin::add_rig_noise({}, random, twin.coarse);
     for (std::size_t f = 0; f < twin.coarse.frames.size(); ++f) {
@@ -196,8 +203,7 @@ Sequence corrected(const TwoGrids& twin, const model::Model& model, double share
   estimation::GridErrorOptions options;
   options.share_as_sigma = share_as_sigma;
   options.of_positions = true;
-  // as tenter-bench-discretisation finds it from the differences of grids
-  if (is_bend(twin.coarse.name)) options.order = 2.0;
+  options.order = twin.order;
   return without_grid_error(twin.coarse,
                             estimation::grid_error(model, twin.coarse, twin.fine, options).value());
 }
@@ -233,10 +239,11 @@ int main(int count, char** arguments) {
   const bool knows_twist = count > 5 && std::atoi(arguments[5]) != 0;
   const twin::Fabric cloth =
       has_friction ? twin::fabric(id) : twin::without_friction(twin::fabric(id));
-  std::printf("#%s %s, %d x %d nodes, %d frames a sequence, %s friction, twist %s\n", id.c_str(),
-              cloth.name.c_str(), nodes, nodes, frames, has_friction ? "with" : "without",
-              knows_twist ? "given" : "fitted");
-  const auto twins = make_twins(cloth, nodes, frames);
+  const double beta = count > 6 ? std::atof(arguments[6]) : estimation::LayoutOptions().beta;
+  std::printf("#%s %s, %d x %d nodes, %d frames a sequence, %s friction, twist %s, beta %.1f\n",
+              id.c_str(), cloth.name.c_str(), nodes, nodes, frames,
+              has_friction ? "with" : "without", knows_twist ? "given" : "fitted", beta);
+  const auto twins = make_twins(cloth, nodes, frames, beta);
   if (!twins) {
     std::printf("  %s\n", twins.error().message.c_str());
     return 1;

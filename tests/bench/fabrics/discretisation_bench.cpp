@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tenter-bench-discretisation [fabric] [cells] [frames] [finest] [sequence...]: what a grid alone
-// costs. The generator's own curves are put on grids of 1, 2, 3 ... `finest` times `cells`, without
-// noise or friction, and compared with the smooth sheet: no fit reaches below that at its true
-// curves. The rig stays the same: `cells` sets how deep clips grip. Seen at nodes and seen anywhere
-// differ by what flat triangles cut off a curved sheet.
+// tenter-bench-discretisation [fabric] [cells] [frames] [finest] [beta] [sequence...]: what a grid
+// alone costs. The generator's own curves are put on grids of 1, 2, 3 ... `finest` times `cells`,
+// without noise or friction, and compared with the smooth sheet: no fit reaches below that at its
+// true curves. The rig stays the same: `cells` sets how deep clips grip. Seen at nodes and seen
+// anywhere differ by what flat triangles cut off a curved sheet.
 //
 // Per grid: root mean square distance in units of the noise (0.075 mm, 3 mN a cord), and of what
 // the three finest grids say, the observed order and where h = 0 is (Richardson, 1911):
@@ -87,7 +87,7 @@ std::vector<Eigen::Vector2d> nodes_of(double side_m, int cells) {
 }
 
 void print_sequence(const twin::Fabric& cloth, const std::string& name, int cells, int frames,
-                    int finest) {
+                    int finest, double beta) {
   // the table's edge is half way between two lines of `cells`: only of odd multiples as well
   const bool is_bend = name.starts_with("bend");
   std::vector<int> factors, nodes;
@@ -99,14 +99,18 @@ void print_sequence(const twin::Fabric& cloth, const std::string& name, int cell
   struct Variant {
     const char* words;
     bool at_nodes, beyond_edge;
+    double grading;
   };
-  std::vector<Variant> variants = {{"seen anywhere", false, true},
-                                   {"seen at the coarsest grid's nodes", true, true}};
-  if (is_bend) variants.push_back({"nodes on the table held, none beyond its edge", false, false});
-  for (const auto& [words, at_nodes, beyond_edge] : variants) {
+  std::vector<Variant> variants = {{"seen anywhere", false, true, 0.0},
+                                   {"seen at the coarsest grid's nodes", true, true, 0.0}};
+  if (is_bend)
+    variants.push_back({"nodes on the table held, none beyond its edge", false, false, 0.0});
+  if (beta > 0.0) variants = {{"graded, seen anywhere", false, true, beta}};
+  for (const auto& [words, at_nodes, beyond_edge, grading] : variants) {
     twin::CrossOptions options;
     options.places = 900;
     options.grid.holds_line_beyond_edge = beyond_edge;
+    options.grid.grading = grading;
     if (at_nodes) options.grid.points_m = nodes_of(cloth.side_m, cells);
     const auto made = twin::cross_twins(
         cloth, twin::make_protocol(cloth, name, {.frames = frames, .cells = cells}), options,
@@ -152,8 +156,9 @@ int main(int count, char** arguments) {
   const twin::Fabric cloth = twin::without_friction(twin::fabric(id));
   std::printf("#%s %s: true curves on grids, beside the smooth sheet, in units of the noise\n",
               id.c_str(), cloth.name.c_str());
-  std::vector<std::string> names(arguments + std::min(count, 5), arguments + count);
+  const double beta = count > 5 ? std::atof(arguments[5]) : 0.0;
+  std::vector<std::string> names(arguments + std::min(count, 6), arguments + count);
   if (names.empty()) names = twin::protocol_names();
-  for (const std::string& name : names) print_sequence(cloth, name, cells, frames, finest);
+  for (const std::string& name : names) print_sequence(cloth, name, cells, frames, finest, beta);
   return 0;
 }

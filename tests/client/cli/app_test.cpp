@@ -312,6 +312,7 @@ TEST(FitOptions, OfASheetNameCapturesAsTheUserDid) {
   draft.weights = {"b.h5=2.5"};
   draft.held_out = {"cccccc"};
   draft.resolution = 9;
+  draft.grid = "equal";
   draft.at_once = true;
   const std::vector<std::string> names = {"data/pull u=1.h5", "data/b.h5", "cccccccc"};
   const std::vector<std::string> ids = {std::string(64, 'a'), std::string(64, 'b'),
@@ -324,6 +325,7 @@ TEST(FitOptions, OfASheetNameCapturesAsTheUserDid) {
                       {"weights", {{ids[1], 2.5}}},
                       {"held_out", {ids[2]}},
                       {"resolution", 9},
+                      {"grid", "equal"},
                       {"staged", false}}));
   for (const auto& [role, words] :
        {std::pair{"d.h5=shear", "--role d.h5: is none of the captures given"},

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "server/estimation/sequences/material/grid_layout.h"
 #include "server/estimation/sequences/material/material_locator.h"
 #include "server/mechanics/mesh/outline.h"
 
@@ -95,6 +96,35 @@ Expected<mechanics::Cloth> cloth_inside(const std::vector<Vec2>& corners, int no
   return mechanics::cloth_of_mesh(std::move(*mesh));
 }
 
+/// The ends of clips and the edges of tables in these frames.
+SpecimenLayout layout_of(const Sheet& sheet, const std::vector<std::size_t>& frames) {
+  SpecimenLayout layout;
+  for (const capture::ClipTrack& clip : sheet.clips) {
+    auto& corners = layout.clips_m.emplace_back();
+    for (const Vec2& corner : clip.region_m) corners.push_back(place_of(corner));
+    if (!corners.empty() || clip.vertices.empty()) continue;
+    Eigen::Vector2d lo = place_of(sheet.material_m[static_cast<std::size_t>(clip.vertices[0])]);
+    Eigen::Vector2d hi = lo;
+    for (const int vertex : clip.vertices) {
+      lo = lo.cwiseMin(place_of(sheet.material_m[static_cast<std::size_t>(vertex)]));
+      hi = hi.cwiseMax(place_of(sheet.material_m[static_cast<std::size_t>(vertex)]));
+    }
+    corners = {lo, {hi.x(), lo.y()}, hi, {lo.x(), hi.y()}};
+  }
+  for (const capture::SupportTrack& support : sheet.supports)
+    for (const std::size_t f : frames)
+      layout.edges.push_back(
+          {support.along == 'u' ? 0 : 1, support.edge_m[f], support.bears_above});
+  return layout;
+}
+
+bool are_alike(const std::vector<double>& lines) {
+  const double cell = (lines.back() - lines.front()) / static_cast<double>(lines.size() - 1);
+  for (std::size_t k = 1; k < lines.size(); ++k)
+    if (std::abs(lines[k] - lines[k - 1] - cell) > kClose * cell) return false;
+  return true;
+}
+
 }  // namespace
 
 mechanics::Pose pose_of(const capture::RigidPose& pose) {
@@ -103,7 +133,9 @@ mechanics::Pose pose_of(const capture::RigidPose& pose) {
           {pose.position_m[0], pose.position_m[1], pose.position_m[2]}};
 }
 
-Expected<mechanics::Cloth> cloth_of(const Sheet& sheet, const FromCaptureOptions& options) {
+Expected<mechanics::Cloth> cloth_of(const Sheet& sheet, const FromCaptureOptions& options,
+                                    const std::vector<std::size_t>& frames, bool& is_graded) {
+  is_graded = false;
   if (options.use_own_mesh) {
     auto mesh = mesh_of(sheet);
     if (!mesh) return tl::unexpected(mesh.error());
@@ -130,6 +162,15 @@ Expected<mechanics::Cloth> cloth_of(const Sheet& sheet, const FromCaptureOptions
   if (nodes_v == 0 && size.minCoeff() > 0.0) {
     const double cells = std::round((options.nodes_u - 1) * size.y() / size.x());
     nodes_v = static_cast<int>(std::clamp(cells, 1.0, 1.0 * mechanics::kMostGridNodes)) + 1;
+  }
+  if (options.is_graded) {
+    SpecimenLayout layout = layout_of(sheet, frames);
+    layout.lo_m = lo;
+    layout.hi_m = hi;
+    const auto lines = grid_layout(layout, {options.nodes_u, nodes_v});
+    if (!lines) return tl::unexpected(lines.error());
+    is_graded = !are_alike(lines->u_m) || !are_alike(lines->v_m);
+    if (is_graded) return mechanics::cloth_of_grid(*lines, options.diagonals);
   }
   auto cloth =
       mechanics::cloth_of_grid({options.nodes_u, nodes_v, size.x(), size.y()}, options.diagonals);

@@ -15,8 +15,9 @@ namespace tenter::estimation {
 
 mechanics::Pose pose_of(const capture::RigidPose& pose);
 
-/// The grid or the capture's own mesh, as cloth.
-Expected<mechanics::Cloth> cloth_of(const capture::Sheet& sheet, const FromCaptureOptions& options);
+/// The grid or the capture's own mesh, as cloth; a graded grid for these frames of the capture.
+Expected<mechanics::Cloth> cloth_of(const capture::Sheet& sheet, const FromCaptureOptions& options,
+                                    const std::vector<std::size_t>& frames, bool& is_graded);
 
 /// Inside a region of the material or on its border, up to `close_m`.
 bool contains(const std::vector<capture::Vec2>& region_m, const Eigen::Vector2d& material_m,

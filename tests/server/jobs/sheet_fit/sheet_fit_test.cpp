@@ -50,6 +50,7 @@ class SheetJob : public ::testing::Test {
       spec_["options"]["roles"][id_of(index)] = index == 6 ? "evaluation" : role;
     }
     spec_["options"]["resolution"] = 7;
+    spec_["options"]["grid"] = "equal";  // as they are made
     spec_["options"]["max_control_points"] = 2;
     spec_["kind"] = "fit";
     spec_["model"] = json::parse(model::preset_json("cloth_stvk_spline").value());
@@ -236,14 +237,15 @@ TEST_F(SheetJob, BadOptionsAreRefusedByTheirPath) {
   const json filled = options_json(read_sheet_options({{"roles", roles}}, ids).value());
   EXPECT_EQ(filled["start"], "equation_gap");
   EXPECT_EQ(filled["roles"], roles);
+  EXPECT_EQ(filled["grid"], "graded");
 }
 
 TEST_F(SheetJob, OneStageForAllAndRefusals) {
   json spec = spec_;
   spec["model"] = json::parse(model::preset_json("cloth_stvk").value());
-  spec["options"] = {{"staged", false},   {"resolution", 7}, {"robust", "huber"},
-                     {"channels", "all"}, {"points", 20},    {"held_out", {id_of(6)}},
-                     {"profiles", true}};
+  spec["options"] = {{"staged", false},        {"resolution", 7},   {"grid", "equal"},
+                     {"robust", "huber"},      {"channels", "all"}, {"points", 20},
+                     {"held_out", {id_of(6)}}, {"profiles", true}};
   const auto done = run("at-once", spec);
   ASSERT_TRUE(done) << done.error().message;
   const json result = json::parse(bytes("at-once/result.json"));

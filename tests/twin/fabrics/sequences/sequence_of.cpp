@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <limits>
 
+#include "server/estimation/sequences/material/grid_layout.h"
+
 namespace tenter::twin {
 
 namespace {
@@ -34,10 +36,38 @@ std::vector<int> nodes_in(const mechanics::SurfaceMesh& mesh, const Region& regi
   return nodes;
 }
 
-std::vector<int> nodes_on_table(const mechanics::SurfaceMesh& mesh, Region table, double beyond_m) {
-  table.hi_u += beyond_m;
-  table.hi_v += beyond_m;
+/// Up to the table's edge, or to the first line beyond it.
+std::vector<int> nodes_on_table(const mechanics::SurfaceMesh& mesh,
+                                const mechanics::GridLines& lines, Region table,
+                                bool holds_line_beyond_edge) {
+  const auto next = [](const std::vector<double>& of, double edge) {
+    constexpr double kSlack_m = 1e-9;
+    const auto line = std::lower_bound(of.begin(), of.end(), edge - kSlack_m);
+    return line == of.end() ? edge : std::max(*line, edge);
+  };
+  if (holds_line_beyond_edge) {
+    table.hi_u = next(lines.u_m, table.hi_u);
+    table.hi_v = next(lines.v_m, table.hi_v);
+  }
   return nodes_in(mesh, table);
+}
+
+/// As the estimator would lay them for a capture of the protocol.
+mechanics::GridLines graded_lines(const Protocol& protocol, const GridOptions& options) {
+  estimation::SpecimenLayout layout;
+  layout.lo_m.setZero();
+  layout.hi_m.setConstant(protocol.side_m);
+  for (const ProtocolClip& clip : protocol.clips) {
+    const Region& r = clip.grip;
+    layout.clips_m.push_back(
+        {{r.lo_u, r.lo_v}, {r.hi_u, r.lo_v}, {r.hi_u, r.hi_v}, {r.lo_u, r.hi_v}});
+  }
+  for (const ProtocolFrame& frame : protocol.frames) {
+    if (!frame.table) continue;
+    const bool along_u = frame.table->hi_u < protocol.side_m;
+    layout.edges.push_back({along_u ? 0 : 1, along_u ? frame.table->hi_u : frame.table->hi_v});
+  }
+  return estimation::grid_layout(layout, {options.nodes, options.nodes, options.grading}).value();
 }
 
 mechanics::Clip clip_of(const std::string& id, const mechanics::SurfaceMesh& mesh,
@@ -54,7 +84,8 @@ mechanics::Clip clip_of(const std::string& id, const mechanics::SurfaceMesh& mes
 }
 
 /// Boundaries of all frames, equal ones once, and which is whose.
-void add_boundaries(const Protocol& protocol, double beyond_edge_m, Sequence& sequence) {
+void add_boundaries(const Protocol& protocol, const mechanics::GridLines& lines,
+                    bool holds_line_beyond_edge, Sequence& sequence) {
   std::vector<double> edges;  // lo and hi of u and v tell tables apart
   for (const ProtocolFrame& frame : protocol.frames) {
     const double edge = frame.table ? frame.table->hi_u + 2.0 * frame.table->hi_v : 0.0;
@@ -66,7 +97,8 @@ void add_boundaries(const Protocol& protocol, double beyond_edge_m, Sequence& se
     for (const ProtocolClip& clip : protocol.clips)
       boundary.clips.push_back(clip_of(clip.id, sequence.cloth.mesh, clip.grip, clip.mass_kg));
     if (frame.table)
-      boundary.held = nodes_on_table(sequence.cloth.mesh, *frame.table, beyond_edge_m);
+      boundary.held =
+          nodes_on_table(sequence.cloth.mesh, lines, *frame.table, holds_line_beyond_edge);
     sequence.boundaries.push_back(std::move(boundary));
   }
 }
@@ -110,16 +142,19 @@ int cord_count(const ProtocolClip& clip) {
 }
 
 Sequence sequence_of(const Fabric& fabric, const Protocol& protocol, const GridOptions& options) {
-  if (options.nodes < 2 || (options.nodes - 1) % protocol.cells != 0) std::abort();
+  const bool is_graded = options.grading > 0.0;
+  if (options.nodes < 2 || (!is_graded && (options.nodes - 1) % protocol.cells != 0)) std::abort();
   Sequence sequence;
   sequence.name = protocol.name;
   const mechanics::Grid grid{options.nodes, options.nodes, fabric.side_m, fabric.side_m};
-  sequence.cloth = mechanics::cloth_of_grid(grid, options.diagonals).value();
+  const mechanics::GridLines lines =
+      is_graded ? graded_lines(protocol, options) : mechanics::lines_of(grid);
+  sequence.cloth = mechanics::cloth_of_grid(lines, options.diagonals).value();
   sequence.start = flat_start(sequence.cloth.mesh, fabric.side_m);
   const auto masses = mechanics::lumped_masses_of_total_kg(sequence.cloth.mesh, fabric.mass_kg);
   sequence.loads.node_mass_kg =
       Eigen::Map<const Eigen::VectorXd>(masses.data(), static_cast<Eigen::Index>(masses.size()));
-  add_boundaries(protocol, options.holds_line_beyond_edge ? 0.5 * grid.du_m() : 0.0, sequence);
+  add_boundaries(protocol, lines, options.holds_line_beyond_edge || is_graded, sequence);
   add_channels(protocol, options, sequence);
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t f = 0; f < protocol.frames.size(); ++f) {

@@ -19,7 +19,10 @@
 namespace tenter::twin {
 
 struct GridOptions {
-  int nodes = 25;  ///< a side; nodes - 1 is a multiple of the protocol's cells
+  int nodes = 25;  ///< a side; nodes - 1 is a multiple of the protocol's cells unless graded
+  /// Lines as estimation::grid_layout puts them, with this beta; 0: equal cells. Graded grids hold
+  /// the line beyond the table's edge.
+  double grading = 0.0;
   mechanics::Diagonals diagonals = mechanics::Diagonals::both;  ///< see fabric_model.h
   /// Material places that are seen; none: all nodes.
   std::vector<Eigen::Vector2d> points_m = {};

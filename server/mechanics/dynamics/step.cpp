@@ -103,6 +103,10 @@ Expected<void> TimeStepper::check_input(const Eigen::VectorXd& parameters, const
   }
   if (input.loads.node_mass_kg.size() == 0)
     return bad_input("the loads have no masses: a motion needs them");
+  if (motion.history.size() != 0)
+    if (auto ok = mechanics::check(History{motion.history, 0.0, {}, 0.0}, model_->history_count());
+        !ok)
+      return ok;
   if (auto ok = check_options(options); !ok) return ok;
   return mechanics::check(input.loads, boundary_, model_->node_count());
 }
@@ -112,10 +116,12 @@ Expected<StepResult> TimeStepper::step(const Eigen::VectorXd& parameters, const 
   if (auto ok = check_input(parameters, input, motion, options); !ok)
     return tl::unexpected(ok.error());
   start_step(options.scheme, boundary_, motion, input.duration_s, start_);
+  if (!start_history(parameters, input.duration_s, motion))
+    return fail(ErrorKind::refused, "what the material remembers of its start is no number");
   inertia_.set(boundary_, input.loads.node_mass_kg, start_);
-  const Potential potential(*model_, parameters, boundary_, *unknowns_, input.loads,
-                            rounds_.contact(),
-                            model_->limited_count() > 0 ? &rounds_.limits() : nullptr, &inertia_);
+  const Potential potential(
+      *model_, parameters, boundary_, *unknowns_, input.loads, rounds_.contact(),
+      model_->limited_count() > 0 ? &rounds_.limits() : nullptr, &history_, &inertia_);
   end_ = motion.at;
   for (std::size_t c = 0; c < input.clips.size(); ++c)
     if (!boundary_.clips[c].is_free) end_.clips[c] = input.clips[c];
@@ -132,8 +138,31 @@ Expected<StepResult> TimeStepper::step(const Eigen::VectorXd& parameters, const 
   if (!result.is_solved(options)) return result;
   report(potential, motion, result);
   if (!result.is_good(options)) return result;
+  if (history_.state.size() > 0) {
+    std::swap(motion.last_history, motion.history);
+    if (model_->end_of_step(end_.x, parameters, history_, motion.history) != AssemblyStatus::ok)
+      return fail(ErrorKind::refused, "what the material remembers of the step is no number");
+  }
   finish_step(boundary_, start_, input.duration_s, end_, motion);
   return result;
+}
+
+bool TimeStepper::start_history(const Eigen::VectorXd& parameters, double duration_s,
+                                Motion& motion) {
+  if (model_->history_count() == 0) return true;
+  if (motion.history.size() == 0) {
+    if (model_->end_of_step(motion.at.x, parameters, model_->never_strained(), motion.history) !=
+        AssemblyStatus::ok)
+      return false;
+    motion.last_history = motion.history;
+  }
+  history_.state = motion.history;
+  history_.duration_s = duration_s;
+  history_.rate_duration_s = start_.last_share > 0.0 ? start_.h_s : 0.0;
+  if (start_.last_share > 0.0)
+    history_.rate_state =
+        start_.now_share * motion.history - start_.last_share * motion.last_history;
+  return true;
 }
 
 /// The multipliers of the step before, penalties on the scale of what they hold against.

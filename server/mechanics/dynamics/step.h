@@ -11,6 +11,9 @@
 //
 // Energy limits and contact hold at the end of every step, with multipliers that start from those
 // of the last one (thesis 4.3.2 has Lagrange multipliers in an LCP; the conditions are the same).
+// Laws that remember their path (friction) answer with the incremental potential of the step, those
+// of the strain's rate with the rate that the scheme has at its end: Baraff-Witkin damping is a
+// kelvin_voigt term for every strain (damping.h).
 // Masses are those of the loads: what hangs at a node has inertia too.
 //
 // A linearised step (Baraff and Witkin 1998) solves (M/h^2 + K(x0)) dx = f(x0) + M v^/h once, for
@@ -96,6 +99,8 @@ class TimeStepper {
   TimeStepper() = default;
   Expected<void> check_input(const Eigen::VectorXd& parameters, const StepInput& input,
                              const Motion& motion, const StepOptions& options) const;
+  /// False where the material's memory of the start is no number.
+  bool start_history(const Eigen::VectorXd& parameters, double duration_s, Motion& motion);
   void start_constraints(const Potential& potential, const StepInput& input,
                          const StepOptions& options);
   void solve(const Potential& potential, const StepInput& input, const StepOptions& options,
@@ -114,7 +119,8 @@ class TimeStepper {
   StepStart start_;
   Inertia inertia_;
   MinimiseWorkspace work_;
-  State end_;  ///< of the step that is being solved
+  History history_;  ///< of the step that is being solved
+  State end_;        ///< of the step that is being solved
   Eigen::VectorXd points_;
 };
 

@@ -35,17 +35,20 @@ void start_step(TimeScheme scheme, const Boundary& boundary, const Motion& motio
   if (scheme == TimeScheme::implicit_euler || motion.last_step_s == 0.0) {
     start.h_s = dt;
     start.velocity_m_s = motion.velocity_m_s;
+    start.now_share = 1.0;
+    start.last_share = 0.0;
     start.order = 1;
     start.error_share = 0.5;
   } else {
     const double last = motion.last_step_s;
     const double w = dt / last;
-    const double now_share = (1.0 + w) * (1.0 + w) / (1.0 + 2.0 * w);
-    const double last_share = w * w / (1.0 + 2.0 * w);
+    start.now_share = (1.0 + w) * (1.0 + w) / (1.0 + 2.0 * w);
+    start.last_share = w * w / (1.0 + 2.0 * w);
     start.h_s = dt * (1.0 + w) / (1.0 + 2.0 * w);
     start.guess_m += 0.5 * dt * w * (motion.velocity_m_s - motion.last_velocity_m_s);
-    start.points_m = now_share * start.points_m - last_share * motion.last_points_m;
-    start.velocity_m_s = now_share * motion.velocity_m_s - last_share * motion.last_velocity_m_s;
+    start.points_m = start.now_share * start.points_m - start.last_share * motion.last_points_m;
+    start.velocity_m_s =
+        start.now_share * motion.velocity_m_s - start.last_share * motion.last_velocity_m_s;
     const double own = dt * (dt + last) * start.h_s / 6.0;
     const double of_guess = dt * dt * (dt / 6.0 + last / 4.0);
     start.order = 2;

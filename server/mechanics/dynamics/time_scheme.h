@@ -33,6 +33,8 @@ struct Motion {
   double last_step_s = 0.0;  ///< 0: there was none
   Eigen::VectorXd last_points_m;
   Eigen::VectorXd last_velocity_m_s;
+  /// What the material remembers (assembly/history); empty: it was pulled straight to the start.
+  Eigen::VectorXd history, last_history;
 };
 
 /// At rest at t = 0.
@@ -43,12 +45,13 @@ void points_of(const Boundary& boundary, const State& state, Eigen::VectorXd& po
 
 /// What a step of `duration_s` makes of the motion before it is solved.
 struct StepStart {
-  double h_s = 0.0;              ///< dx1/dv1
-  Eigen::VectorXd points_m;      ///< x^
-  Eigen::VectorXd velocity_m_s;  ///< v^
-  Eigen::VectorXd target_m;      ///< x~
-  Eigen::VectorXd guess_m;       ///< explicit prediction of x1, of the order of the scheme
-  double error_share = 0.0;      ///< error of x1 is about so much of x1 - guess
+  double h_s = 0.0;                          ///< dx1/dv1
+  Eigen::VectorXd points_m;                  ///< x^
+  Eigen::VectorXd velocity_m_s;              ///< v^
+  Eigen::VectorXd target_m;                  ///< x~
+  double now_share = 1.0, last_share = 0.0;  ///< y^ = now_share y0 - last_share y_-1
+  Eigen::VectorXd guess_m;   ///< explicit prediction of x1, of the order of the scheme
+  double error_share = 0.0;  ///< error of x1 is about so much of x1 - guess
   int order = 1;
 };
 void start_step(TimeScheme scheme, const Boundary& boundary, const Motion& motion,

@@ -104,7 +104,7 @@ double floor_ms(const Bench& bench, const TimeStepper& stepper, const Motion& mo
   inertia.set(bench.file.boundary, bench.file.loads.node_mass_kg, start);
   const Contact none;
   const Potential potential(*bench.model, bench.file.parameters, bench.file.boundary,
-                            stepper.unknowns(), bench.file.loads, none, nullptr, &inertia);
+                            stepper.unknowns(), bench.file.loads, none, nullptr, nullptr, &inertia);
   PotentialValue value;
   if (!potential.evaluate_with_stiffness(motion.at, 1.0, value)) give_up("not finite");
   double best = 1e300;
@@ -131,7 +131,7 @@ void print_parts(const Bench& bench, const TimeStepper& stepper, const Motion& m
   inertia.set(bench.file.boundary, bench.file.loads.node_mass_kg, start);
   const Contact none;
   const Potential potential(*bench.model, bench.file.parameters, bench.file.boundary,
-                            stepper.unknowns(), bench.file.loads, none, nullptr, &inertia);
+                            stepper.unknowns(), bench.file.loads, none, nullptr, nullptr, &inertia);
   PotentialValue value;
   const auto print = [&](const char* what, const std::function<void()>& work) {
     work();

@@ -32,7 +32,7 @@ TEST(Inertia, DerivativesByTheUnknowns) {
   const Unknowns unknowns(swing.boundary, swing.sheet.model.matrix());
   const Contact none;
   const Potential potential(swing.sheet.model, swing.sheet.parameters, swing.boundary, unknowns,
-                            swing.loads, none, nullptr, &inertia);
+                            swing.loads, none, nullptr, nullptr, &inertia);
   State at = swing.flat_state;
   at.x = shaken(at.x, 3e-3, 7);
   at.clips[0].rotation = rotation_of({0.2, -0.3, 0.1});

@@ -76,6 +76,8 @@ class Law {
   int parameter_count() const { return parameter_count_; }
   int state_count() const { return state_count_; }
   virtual StateKind state_kind(int) const { return StateKind::memory; }
+  /// Answers to nothing but the rate (strain - state)/duration.
+  virtual bool is_rate() const { return false; }
   /// Zeroes the part of `out` that belongs to this law's strains, parameters and states.
   void clear(LawOutput& out) const;
   /// `out` must have been cleared or zeroed; the law writes what differs from zero.

@@ -23,9 +23,11 @@ struct GroupTerm {
   void start_from(const History* history, int first, LawBatch& batch) const {
     if (!history) return;
     const auto elements = static_cast<int>(measure.size());
-    batch.duration_s = history->duration_s;
+    const bool has_own = law->is_rate() && history->rate_duration_s > 0.0;
+    batch.duration_s = has_own ? history->rate_duration_s : history->duration_s;
+    const double* state = has_own ? history->rate_state.data() : history->state.data();
     for (int s = 0; s < law->state_count(); ++s)
-      batch.state[s] = history->state.data() + first_state + s * elements + first;
+      batch.state[s] = state + first_state + s * elements + first;
   }
 };
 

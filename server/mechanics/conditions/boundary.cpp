@@ -2,6 +2,7 @@
 #include "server/mechanics/conditions/boundary.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -17,6 +18,11 @@ bool lie_on_a_line(const std::vector<Eigen::Vector3d>& places) {
   for (const Eigen::Vector3d& p : places) off = std::max(off, (p - places[0]).cross(along).norm());
   constexpr double kFlattest = 1e-9;  // of the length squared: below it a turn moves nothing
   return off <= kFlattest * along.squaredNorm();
+}
+
+bool is_rotation(const Eigen::Matrix3d& r) {
+  constexpr double kOff = 1e-6;  // a file's digits are enough; a scale or a mirror is not let by
+  return r.allFinite() && (r.transpose() * r).isIdentity(kOff) && r.determinant() > 0.0;
 }
 
 }  // namespace
@@ -59,6 +65,21 @@ Expected<void> check(const Boundary& boundary, int node_count) {
       if (node < 0 || node >= node_count)
         return bad_input("the pressed surface has node " + std::to_string(node) +
                          ", of which there are " + std::to_string(node_count));
+  return {};
+}
+
+Expected<void> check(const State& state, const Boundary& boundary, int node_count) {
+  if (state.x.size() != 3 * static_cast<Eigen::Index>(node_count))
+    return bad_input("the mesh has " + std::to_string(node_count) +
+                     " nodes, positions are given for " + std::to_string(state.x.size() / 3));
+  if (!state.x.allFinite()) return bad_input("a position is no number");
+  if (state.clips.size() != boundary.clips.size())
+    return bad_input("there are " + std::to_string(boundary.clips.size()) +
+                     " clips, poses are given for " + std::to_string(state.clips.size()));
+  for (std::size_t c = 0; c < state.clips.size(); ++c)
+    if (!is_rotation(state.clips[c].rotation) || !state.clips[c].position_m.allFinite())
+      return bad_input("the pose of clip \"" + boundary.clips[c].id +
+                       "\" is no rotation and position");
   return {};
 }
 

@@ -61,6 +61,9 @@ struct State {
 /// one line (nothing determines its turn about it), a mass that is no number or negative.
 Expected<void> check(const Boundary& boundary, int node_count);
 
+/// bad_input where the state has other sizes, a position is no number, or a pose no rotation.
+Expected<void> check(const State& state, const Boundary& boundary, int node_count);
+
 /// The clip that holds `nodes` where they are when it is at `pose`.
 Clip clip_on(std::string id, std::vector<int> nodes, const Eigen::VectorXd& x, const Pose& pose);
 

@@ -70,6 +70,9 @@ class Contact {
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   };
   std::vector<Touch> touches(const Eigen::VectorXd& x) const;
+  /// The same obstacles elsewhere; forces stay.
+  void place(const std::vector<Obstacle>& obstacles) { obstacles_ = obstacles; }
+  void set_penalty(double penalty_N_m) { penalty_N_m_ = penalty_N_m; }
   void raise_penalty(double factor) { penalty_N_m_ *= factor; }
   /// lambda; [obstacle * nodes + node].
   const Eigen::VectorXd& force_N() const { return force_N_; }

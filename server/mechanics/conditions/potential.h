@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The potential energy that equilibrium minimises: model, loads and contact over the unknowns.
 //
-//   Pi(x) = E(x, p) + V(x) + contact + energy limits
+//   Pi(x) = E(x, p) + V(x) + contact + energy limits + inertia of a time step
 //
 // With a history, E is the energy of the step from there.
 //
@@ -19,6 +19,7 @@
 #include "server/mechanics/conditions/boundary.h"
 #include "server/mechanics/conditions/contact.h"
 #include "server/mechanics/conditions/loads.h"
+#include "server/mechanics/conditions/node_energy.h"
 #include "server/mechanics/conditions/unknowns.h"
 
 namespace tenter::mechanics {
@@ -39,7 +40,8 @@ class Potential {
  public:
   Potential(const MeshModel& model, const Eigen::VectorXd& parameters, const Boundary& boundary,
             const Unknowns& unknowns, const Loads& loads, const Contact& contact,
-            const EnergyLimitState* limits = nullptr, const History* history = nullptr);
+            const EnergyLimitState* limits = nullptr, const History* history = nullptr,
+            const NodeEnergy* inertia = nullptr);
 
   const MeshModel& model;
   const Eigen::VectorXd& parameters;
@@ -49,6 +51,7 @@ class Potential {
   const Contact& contact;
   const EnergyLimitState* limits;  ///< null: the model's energy limits are not enforced
   const History* history;          ///< null: as never strained before
+  const NodeEnergy* inertia;       ///< null: equilibrium
 
   /// False where the energy or a derivative is not finite.
   [[nodiscard]] bool evaluate(const State& state, PotentialValue& value) const;
@@ -61,6 +64,8 @@ class Potential {
 
  private:
   bool evaluate(const State& state, const ModelOutput& wanted, PotentialValue& value) const;
+  /// Energy of free clips (J), with its magnitudes added to `size`.
+  double clip_energy_J(const State& state, double& size) const;
 };
 
 }  // namespace tenter::mechanics

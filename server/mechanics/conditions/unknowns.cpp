@@ -199,6 +199,40 @@ void Unknowns::reduce_matrix(const Loads& loads, const State& state, const Eigen
   }
 }
 
+const Unknowns::Body& Unknowns::body_of_clip(int clip) const {
+  return *std::find_if(bodies_.begin(), bodies_.end(),
+                       [clip](const Body& body) { return body.clip == clip; });
+}
+
+void Unknowns::add_spring_gradient(const ClipSpring& spring, const State& state,
+                                   Eigen::VectorXd& by_unknown) const {
+  const Body& body = body_of_clip(spring.clip);
+  const Eigen::Vector3d point =
+      state.clips[static_cast<std::size_t>(spring.clip)].to_space(spring.place_m);
+  const Eigen::Vector3d slope = spring.stiffness_N_m * (point - spring.target_m);
+  by_unknown.segment<3>(body.first_unknown) += (point - middle(body, state)).cross(slope);
+  by_unknown.segment<3>(body.first_unknown + 3) += slope;
+}
+
+void Unknowns::add_spring_stiffness(const ClipSpring& spring, const State& state,
+                                    double positive_share, std::vector<double>& values) const {
+  const Body& body = body_of_clip(spring.clip);
+  const Eigen::Vector3d point =
+      state.clips[static_cast<std::size_t>(spring.clip)].to_space(spring.place_m);
+  const Eigen::Vector3d arm = point - middle(body, state);
+  Eigen::Matrix<double, 3, 6> j;
+  j.leftCols<3>() = -cross_matrix(arm);
+  j.rightCols<3>().setIdentity();
+  Eigen::Matrix<double, 6, 6> block = spring.stiffness_N_m * j.transpose() * j;
+  Eigen::Matrix3d turn = turn_curvature(spring.stiffness_N_m * (point - spring.target_m), arm);
+  if (positive_share > 0.0) raise_eigenvalues(turn, positive_share);
+  block.topLeftCorner<3, 3>() += turn;
+  for (int c = 0; c < kBodyUnknowns; ++c)
+    for (int r = c; r < kBodyUnknowns; ++r)
+      values[static_cast<std::size_t>(
+          pattern_.slot(body.first_unknown + r, body.first_unknown + c))] += block(r, c);
+}
+
 void Unknowns::expand(const State& state, const Eigen::VectorXd& by_unknown,
                       Eigen::VectorXd& by_node) const {
   by_node.setZero(state.x.size());

@@ -21,6 +21,7 @@
 
 #include "server/mechanics/conditions/boundary.h"
 #include "server/mechanics/conditions/loads.h"
+#include "server/mechanics/conditions/node_energy.h"
 #include "server/mechanics/elements/node_matrix.h"
 #include "server/mechanics/sparse/symmetric_pattern.h"
 
@@ -50,6 +51,12 @@ class Unknowns {
   void reduce_matrix(const Loads& loads, const State& state, const Eigen::VectorXd& by_node,
                      const NodeMatrix& matrix, double positive_share,
                      std::vector<double>& values) const;
+
+  /// What a spring of a free clip adds to the gradient, and to the values of the pattern.
+  void add_spring_gradient(const ClipSpring& spring, const State& state,
+                           Eigen::VectorXd& by_unknown) const;
+  void add_spring_stiffness(const ClipSpring& spring, const State& state, double positive_share,
+                            std::vector<double>& values) const;
 
   /// Displacements of all nodes that belong to a displacement of the unknowns.
   void expand(const State& state, const Eigen::VectorXd& by_unknown,
@@ -90,6 +97,7 @@ class Unknowns {
     return state.clips[static_cast<std::size_t>(body.clip)].to_space(body.middle_m);
   }
   Eigen::Matrix<double, 3, 6> jacobian(const Body& body, const State& state, int node) const;
+  const Body& body_of_clip(int clip) const;
 
   Boundary boundary_;
   SymmetricPattern pattern_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/mechanics/equilibrium/equilibrium.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -28,11 +27,6 @@ double mean_diagonal(const SymmetricPattern& pattern, const std::vector<double>&
   for (int j = 0; j < pattern.size; ++j)
     sum += values[static_cast<std::size_t>(pattern.column_start[static_cast<std::size_t>(j)])];
   return sum / pattern.size;
-}
-
-bool is_rotation(const Eigen::Matrix3d& r) {
-  constexpr double kOff = 1e-6;  // a file's digits are enough; a scale or a mirror is not let by
-  return r.allFinite() && (r.transpose() * r).isIdentity(kOff) && r.determinant() > 0.0;
 }
 
 Expected<void> check_options(const EquilibriumOptions& options) {
@@ -99,22 +93,9 @@ Expected<void> EquilibriumSolver::check_input(const Eigen::VectorXd& parameters,
     return bad_input("the model has " + std::to_string(model_->parameter_count()) +
                      " parameters, given are " + std::to_string(parameters.size()));
   if (!parameters.allFinite()) return bad_input("a parameter is no number");
-  if (history && history->state.size() != model_->history_count())
-    return bad_input("the model remembers " + std::to_string(model_->history_count()) +
-                     " numbers, the history has " + std::to_string(history->state.size()));
-  if (history && (!history->state.allFinite() || !(history->duration_s >= 0.0)))
-    return bad_input("the history has a number that is none, or a step of negative duration");
-  if (state.x.size() != 3 * static_cast<Eigen::Index>(model_->node_count()))
-    return bad_input("the mesh has " + std::to_string(model_->node_count()) +
-                     " nodes, positions are given for " + std::to_string(state.x.size() / 3));
-  if (!state.x.allFinite()) return bad_input("a position is no number");
-  if (state.clips.size() != boundary_.clips.size())
-    return bad_input("there are " + std::to_string(boundary_.clips.size()) +
-                     " clips, poses are given for " + std::to_string(state.clips.size()));
-  for (std::size_t c = 0; c < state.clips.size(); ++c)
-    if (!is_rotation(state.clips[c].rotation) || !state.clips[c].position_m.allFinite())
-      return bad_input("the pose of clip \"" + boundary_.clips[c].id +
-                       "\" is no rotation and position");
+  if (history)
+    if (auto ok = mechanics::check(*history, model_->history_count()); !ok) return ok;
+  if (auto ok = mechanics::check(state, boundary_, model_->node_count()); !ok) return ok;
   return mechanics::check(loads, boundary_, model_->node_count());
 }
 
@@ -127,8 +108,9 @@ Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& para
   if (auto ok = check_options(options); !ok) return tl::unexpected(ok.error());
   place_clips(boundary_, state);
   const bool has_constraints = !obstacles_.empty() || model_->limited_count() > 0;
-  const Potential potential(*model_, parameters, boundary_, *unknowns_, loads, contact_,
-                            model_->limited_count() > 0 ? &limits_ : nullptr, history);
+  const ConstraintTolerance tolerance{options.contact_depth_m, options.limit_tolerance};
+  const Potential potential(*model_, parameters, boundary_, *unknowns_, loads, rounds_.contact(),
+                            model_->limited_count() > 0 ? &rounds_.limits() : nullptr, history);
   history_ = history;
   bool is_near = options.start_is_near;
   if (has_constraints)
@@ -160,13 +142,17 @@ Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& para
       is_near = false;
     }
     is_near = has_factor_;
-    const EquilibriumResult before = result;
     if (!result.last.is_equilibrium() || !has_constraints) break;
-    if (are_constraints_met(options, parameters, state, result)) break;
-    press_harder(options, parameters, state, before, result);
+    const Violation now = rounds_.violation(*model_, parameters, state.x);
+    const Violation before{result.contact_violation_m, result.limit_violation};
+    result.contact_violation_m = now.contact_m;
+    result.limit_violation = now.limit;
+    // without an energy there is nothing that another round could mend
+    if (now.is_within(tolerance) || std::isinf(now.limit)) break;
+    rounds_.press_harder(*model_, parameters, state.x, tolerance, before, now);
   }
-  result.limit_multiplier = limits_.multiplier;
-  if (state.x.allFinite()) result.contact_force_N = contact_.acting_forces_N(state.x);
+  result.limit_multiplier = rounds_.limits().multiplier;
+  if (state.x.allFinite()) result.contact_force_N = rounds_.contact().acting_forces_N(state.x);
   if (result.last.end == MinimiseEnd::start_not_finite) {
     result.energy_J = result.last.net_force_N = std::numeric_limits<double>::infinity();
   } else {
@@ -178,68 +164,15 @@ Expected<EquilibriumResult> EquilibriumSolver::solve(const Eigen::VectorXd& para
   return result;
 }
 
-/// Multipliers at zero, penalties on the scale of what they hold against.
+/// Multipliers at zero, the contact's penalty on the scale of what it holds against.
 void EquilibriumSolver::start_constraints(const Potential& potential,
                                           const EquilibriumOptions& options, const State& state) {
-  contact_ = Contact();
-  limits_.multiplier.setZero(model_->limited_count());
-  limits_.penalty = 0.0;
-  constexpr double kPenalty = 10.0;  // in 1/psi_max of the lowest limit
-  for (const LimitedElements& limited : model_->limited())
-    limits_.penalty = std::max(limits_.penalty, kPenalty / limited.energy_max);
+  rounds_.start(*model_, Contact());
   if (obstacles_.empty()) return;
   double penalty = options.contact_penalty_N_m;
   if (penalty <= 0.0 && potential.evaluate_with_stiffness(state, 1.0, work_.current))
     penalty = mean_diagonal(unknowns_->pattern(), work_.current.stiffness);
-  contact_ = Contact(obstacles_, unknowns_->free_nodes(), penalty > 0.0 ? penalty : 1.0);
-}
-
-/// Sets the violations of `result`.
-bool EquilibriumSolver::are_constraints_met(const EquilibriumOptions& options,
-                                            const Eigen::VectorXd& parameters, const State& state,
-                                            EquilibriumResult& result) const {
-  result.contact_violation_m = contact_.violation_m(state.x);
-  result.limit_violation = 0.0;
-  Eigen::VectorXd excess;
-  if (model_->limited_count() > 0) {
-    if (model_->limit_excess(state.x, parameters, excess) != AssemblyStatus::ok) {
-      result.limit_violation = std::numeric_limits<double>::infinity();
-      return true;  // nothing that another round could mend
-    }
-    for (const LimitedElements& limited : model_->limited()) {
-      for (std::size_t e = 0; e < limited.element.size(); ++e) {
-        const auto k = static_cast<Eigen::Index>(limited.first) + static_cast<Eigen::Index>(e);
-        // too high, or below its limit and still held back
-        const double off = std::max(excess[k], -limits_.multiplier[k] / limits_.penalty);
-        result.limit_violation =
-            std::max(result.limit_violation, std::abs(off) / limited.energy_max);
-      }
-    }
-  }
-  return result.contact_violation_m <= options.contact_depth_m &&
-         result.limit_violation <= options.limit_tolerance;
-}
-
-/// New multipliers, and higher penalties where the violation shrinks slowly.
-void EquilibriumSolver::press_harder(const EquilibriumOptions& options,
-                                     const Eigen::VectorXd& parameters, const State& state,
-                                     const EquilibriumResult& before,
-                                     const EquilibriumResult& now) {
-  constexpr double kSlow = 0.3;  // violation after / before
-  constexpr double kRaise = 4.0;
-  if (now.contact_violation_m > options.contact_depth_m) {
-    contact_.update_forces(state.x);
-    if (before.contact_violation_m > 0.0 &&
-        now.contact_violation_m > kSlow * before.contact_violation_m)
-      contact_.raise_penalty(kRaise);
-  }
-  Eigen::VectorXd excess;
-  if (now.limit_violation > options.limit_tolerance &&
-      model_->limit_excess(state.x, parameters, excess) == AssemblyStatus::ok) {
-    update_multipliers(excess, limits_);
-    if (before.limit_violation > 0.0 && now.limit_violation > kSlow * before.limit_violation)
-      limits_.penalty *= kRaise;
-  }
+  rounds_.contact() = Contact(obstacles_, unknowns_->free_nodes(), penalty > 0.0 ? penalty : 1.0);
 }
 
 MinimiseResult EquilibriumSolver::minimise(const Potential& potential,

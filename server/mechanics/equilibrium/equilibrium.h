@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "common/base/error.h"
-#include "server/mechanics/assembly/energy_limit.h"
+#include "server/mechanics/equilibrium/constraint_rounds.h"
 #include "server/mechanics/equilibrium/minimise.h"
 
 namespace tenter::mechanics {
@@ -98,8 +98,8 @@ class EquilibriumSolver {
                                     const History* history = nullptr);
 
   const MeshModel& model() const { return *model_; }
-  const Contact& contact() const { return contact_; }
-  const EnergyLimitState& limits() const { return limits_; }
+  const Contact& contact() const { return rounds_.contact(); }
+  const EnergyLimitState& limits() const { return rounds_.limits(); }
   /// Of the last solve; null: none.
   const History* history() const { return history_; }
   /// The factor of the exact stiffness at the last result (near it with reuse_factor); null unless
@@ -118,11 +118,6 @@ class EquilibriumSolver {
   bool leave_saddle(const Potential& potential, State& state);
   void start_constraints(const Potential& potential, const EquilibriumOptions& options,
                          const State& state);
-  bool are_constraints_met(const EquilibriumOptions& options, const Eigen::VectorXd& parameters,
-                           const State& state, EquilibriumResult& result) const;
-  void press_harder(const EquilibriumOptions& options, const Eigen::VectorXd& parameters,
-                    const State& state, const EquilibriumResult& before,
-                    const EquilibriumResult& now);
   Expected<void> check_input(const Eigen::VectorXd& parameters, const Loads& loads,
                              const State& state, const History* history) const;
 
@@ -131,8 +126,7 @@ class EquilibriumSolver {
   std::vector<Obstacle> obstacles_;
   std::shared_ptr<const Unknowns> unknowns_;
   std::unique_ptr<SparseFactor> factor_;
-  Contact contact_;
-  EnergyLimitState limits_;
+  ConstraintRounds rounds_;
   const History* history_ = nullptr;
   MinimiseWorkspace work_;
   bool has_factor_ = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/mechanics/laws/viscosity.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tenter::mechanics {
@@ -46,6 +47,25 @@ void KelvinVoigtLaw::evaluate(const LawInput& in, LawOutput& out) const {
     out.stress_by_state[i][i] = -eta * per_s;
     out.state[i] = in.strain[i];
     out.state_by_strain[i][i] = 1.0;
+  }
+}
+
+void KelvinVoigtLaw::evaluate_batch(const double* parameters, const LawBatch& batch) const {
+  const double eta = parameters[0];
+  const bool has_rate = batch.state[0] != nullptr && batch.duration_s > 0.0;
+  const double per_s = has_rate ? 1.0 / batch.duration_s : 0.0;
+  if (batch.energy) std::fill_n(batch.energy, batch.count, 0.0);
+  for (int i = 0; i < strain_count(); ++i) {
+    for (int e = 0; e < batch.count; ++e) {
+      const double strain = batch.strain[i][e];
+      const double increment = has_rate ? strain - batch.state[i][e] : 0.0;
+      const double stress = eta * per_s * increment;
+      batch.stress[i][e] = stress;
+      if (batch.energy) batch.energy[e] += 0.5 * stress * increment;
+      if (batch.end_state[0]) batch.end_state[i][e] = strain;
+    }
+    for (int j = i; batch.tangent[0][0] && j < strain_count(); ++j)
+      std::fill_n(batch.tangent[i][j], batch.count, i == j ? eta * per_s : 0.0);
   }
 }
 

@@ -27,7 +27,9 @@ class KelvinVoigtLaw final : public Law {
  public:
   explicit KelvinVoigtLaw(int strains) : Law(strains, 1, strains) {}
   StateKind state_kind(int) const override { return StateKind::last_strain; }
+  bool is_rate() const override { return true; }
   void evaluate(const LawInput& in, LawOutput& out) const override;
+  void evaluate_batch(const double* parameters, const LawBatch& batch) const override;
 };
 
 }  // namespace tenter::mechanics

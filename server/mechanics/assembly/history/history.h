@@ -24,12 +24,22 @@
 
 #include <Eigen/Core>
 
+#include "common/base/error.h"
+
 namespace tenter::mechanics {
 
 struct History {
   /// MeshModel::history_count() numbers, in an order of the model's own; zero: never strained.
   Eigen::VectorXd state;
   double duration_s = 0.0;  ///< of the step that starts here
+  /// What laws of the strain's rate measure it from, where that is not the start: a time step of
+  /// second order (dynamics/time_scheme.h) has the rate (eps - rate_state)/rate_duration_s at its
+  /// end. Duration 0: from the start.
+  Eigen::VectorXd rate_state = {};
+  double rate_duration_s = 0.0;
 };
+
+/// bad_input where the state has another size, a number is none, or the duration is negative.
+Expected<void> check(const History& history, int history_count);
 
 }  // namespace tenter::mechanics

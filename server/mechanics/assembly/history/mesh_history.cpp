@@ -4,6 +4,19 @@
 
 namespace tenter::mechanics {
 
+Expected<void> check(const History& history, int history_count) {
+  if (history.state.size() != history_count)
+    return bad_input("the model remembers " + std::to_string(history_count) +
+                     " numbers, the history has " + std::to_string(history.state.size()));
+  if (!history.state.allFinite() || !(history.duration_s >= 0.0))
+    return bad_input("the history has a number that is none, or a step of negative duration");
+  if (history.rate_duration_s != 0.0 &&
+      (history.rate_state.size() != history_count || !history.rate_state.allFinite() ||
+       !(history.rate_duration_s > 0.0)))
+    return bad_input("what the history measures rates from is no state with a duration");
+  return {};
+}
+
 AssemblyStatus MeshModel::end_of_step(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,
                                       const History& history, Eigen::VectorXd& state) const {
   state.resize(history_count_);

@@ -2,7 +2,8 @@
 // An energy of positions that Potential adds to material, loads and contact: the inertia of a time
 // step (dynamics/inertia.h), the barrier of a strip with itself.
 //
-//   Potential potential(model, parameters, boundary, unknowns, loads, contact, limits, history, &inertia);
+//   Potential potential(model, parameters, boundary, unknowns, loads, contact, limits, history,
+//   &inertia);
 //
 // Implementations are callable from any thread and allocate nothing after the first call.
 #pragma once

@@ -17,8 +17,8 @@ struct RigSettings {
   unsigned seed = 1;
 };
 
-/// The five sequences for fits, or the two for evaluation. Exits with a sentence where a twin has no
-/// rest, and where there are too few nodes (7 a side) or no frame.
+/// The five sequences for fits, or the two for evaluation. Exits with a sentence where a twin has
+/// no rest, and where there are too few nodes (7 a side) or no frame.
 std::vector<estimation::RoleSequence> fitting_sequences(const std::string& fabric,
                                                         const RigSettings& settings);
 std::vector<estimation::RoleSequence> evaluation_sequences(const std::string& fabric,

@@ -49,6 +49,8 @@ Expected<void> check_frame(const Sequence& sequence, const SequenceFrame& frame)
       frame.scalars.size() != static_cast<Eigen::Index>(sequence.scalars.size()))
     return bad_input(" does not have one measurement a channel");
   if (frame.block < 0) return bad_input(" has a block below zero");
+  if (!(frame.duration_s >= 0.0) || !std::isfinite(frame.duration_s))
+    return bad_input(" has a duration that is negative or no number");
   return {};
 }
 

@@ -75,6 +75,7 @@ struct SequenceFrame {
   Eigen::VectorXd forces_N;                                ///< one a ForceChannel
   Eigen::VectorXd scalars;                                 ///< one a ScalarChannel: N m, m or m^2
   int block = 0;                                           ///< of this sequence, from 0
+  double duration_s = 0.0;  ///< since the frame before, for laws that know time
 };
 
 struct Sequence {

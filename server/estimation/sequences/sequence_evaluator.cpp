@@ -7,8 +7,7 @@
 #include <utility>
 
 #include "server/estimation/parallel.h"
-#include "server/estimation/sequences/observations.h"
-#include "server/mechanics/equilibrium/sensitivity.h"
+#include "server/estimation/sequences/sequence_work.h"
 
 namespace tenter::estimation {
 
@@ -18,25 +17,6 @@ using mechanics::MeshModel;
 using mechanics::PathStatus;
 using mechanics::Sensitivity;
 using mechanics::State;
-
-struct SequenceEvaluator::Bound {
-  MeshModel model;
-  Observations channels;
-  std::vector<std::vector<int>> row_of;  ///< [frame][channel]; -1: not measured
-};
-
-struct SequenceEvaluator::FrameWork {
-  struct Slot {
-    State state;
-    Sensitivity by_parameter;
-    Eigen::VectorXd by_node;      ///< gradient of the potential
-    double cost = 0.0;            ///< of the frame's rows, where its gradient was wanted
-    Eigen::VectorXd cost_change;  ///< that gradient
-  };
-  Slot slots[2];
-  SequenceCost cost;  ///< of the evaluation that is under way
-  std::string failure;
-};
 
 namespace {
 
@@ -85,6 +65,7 @@ Expected<SequenceEvaluator> SequenceEvaluator::make(const model::Model& model,
     }
     first_block += blocks;
     result.parameter_count_ = bound->model.parameter_count();
+    result.remembers_ = bound->model.history_count() > 0;
     result.bound_.push_back(std::move(bound));
     auto& works = result.frames_.emplace_back();
     for (std::size_t f = 0; f < sequence.frames.size(); ++f) {
@@ -139,6 +120,15 @@ PathStatus SequenceEvaluator::evaluate(const Eigen::VectorXd& parameters,
 
 PathStatus SequenceEvaluator::evaluate_gradient(const Eigen::VectorXd& parameters, double& cost,
                                                 Eigen::VectorXd& gradient) {
+  if (remembers_) {
+    Eigen::VectorXd residuals;
+    RowMatrix jacobian;
+    const PathStatus status = evaluate(parameters, residuals, &jacobian);
+    const Eigen::VectorXd weighted = weights_.cwiseProduct(residuals);
+    cost = weighted.dot(residuals);
+    gradient = 2.0 * (jacobian.transpose() * weighted);
+    return status;
+  }
   if (!solve_all(parameters, Derivative::of_cost)) return PathStatus::no_equilibrium;
   cost = 0.0;
   gradient.setZero(parameter_count_);
@@ -162,7 +152,11 @@ bool SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, Derivative 
   const bool is_here = last_ >= 0 && parameters == last_parameters_;
   const int from = is_here ? last_ : base_;
   last_ = base_ < 0 ? 0 : 1 - base_;
-  if (from < 0) {
+  if (remembers_) {
+    in_parallel(options_.threads, static_cast<int>(sequences_.size()), [&](int thread, int k) {
+      walk_remembering(static_cast<std::size_t>(k), from, thread, parameters, wanted);
+    });
+  } else if (from < 0) {
     in_parallel(options_.threads, static_cast<int>(runs_.size()), [&](int thread, int k) {
       walk(runs_[static_cast<std::size_t>(k)], thread, parameters, wanted);
     });
@@ -174,13 +168,8 @@ bool SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, Derivative 
       const auto [s, f] = all_frames_[static_cast<std::size_t>(k)];
       FrameWork& work = *frames_[s][f];
       State& state = work.slots[last_].state;
-      if (from != last_) state = work.slots[from].state;
-      if (!is_here) {
-        const Eigen::VectorXd step = parameters - base_parameters_;
-        const Eigen::MatrixXd& by_parameter = work.slots[base_].by_parameter.x;
-        state.x += by_parameter * (options_.moving.empty() ? step : step(options_.moving).eval());
-      }
-      SolveHow how{true, false, wanted, gives_up};
+      start_from(work, from, parameters, state);
+      SolveHow how{true, false, wanted, nullptr, gives_up};
       if (solve_frame(s, f, thread, parameters, how)) return;
       const auto& measured = sequences_[s].frames[f].start;
       if (!gives_up && (measured || base_ >= 0)) {
@@ -217,77 +206,6 @@ bool SequenceEvaluator::has_failed() {
   return false;
 }
 
-EquilibriumSolver& SequenceEvaluator::solver_of(int thread, std::size_t sequence,
-                                                std::size_t frame) {
-  const Sequence& of = sequences_[sequence];
-  const auto boundary = static_cast<std::size_t>(of.frames[frame].boundary);
-  auto& solver = solvers_[static_cast<std::size_t>(thread)][sequence][boundary];
-  if (!solver)
-    solver = std::make_unique<EquilibriumSolver>(
-        EquilibriumSolver::make(bound_[sequence]->model, of.boundaries[boundary]).value());
-  return *solver;
-}
-
-/// The frames of a run one after the other, each from the one before.
-void SequenceEvaluator::walk(const Run& run, int thread, const Eigen::VectorXd& parameters,
-                             Derivative wanted) {
-  const Sequence& sequence = sequences_[run.sequence];
-  const auto& start = sequence.frames[run.first].start;
-  const State* before = start ? &*start : &sequence.start;
-  for (std::size_t f = run.first; f <= run.last; ++f) {
-    State& state = frames_[run.sequence][f]->slots[last_].state;
-    state = *before;
-    before = &state;
-    const bool is_next = f > run.first;
-    const bool is_near = is_next || (start && options_.starts_are_near);
-    if (!solve_frame(run.sequence, f, thread, parameters, {is_near, is_next, wanted})) return;
-  }
-}
-
-bool SequenceEvaluator::solve_frame(std::size_t sequence, std::size_t frame, int thread,
-                                    const Eigen::VectorXd& parameters, const SolveHow& how) {
-  EquilibriumSolver& solver = solver_of(thread, sequence, frame);
-  const Sequence& measured = sequences_[sequence];
-  FrameWork& work = *frames_[sequence][frame];
-  FrameWork::Slot& slot = work.slots[last_];
-  if (options_.on_frame) options_.on_frame({measured, static_cast<int>(frame), parameters});
-  mechanics::Loads loads = measured.loads;
-  loads.cord_force_N = measured.frames[frame].cord_force_N;
-  prescribe(measured, frame, !how.is_near, slot.state);
-  EquilibriumOptions options;
-  options.tolerance_N = options_.tolerance_N;
-  if (accuracy_ == Accuracy::stepping) {
-    options.tolerance_N = std::max(options.tolerance_N, options_.stepping_tolerance_N);
-    options.reuse_factor = true;
-    if (how.gives_up) options.max_iterations = options_.stepping_max_iterations;
-  }
-  options.start_is_near = how.is_near;
-  options.check_minimum = how.wanted != Derivative::none;
-  options.predict = how.may_predict;
-  const auto now = [this] { return options_.clock ? options_.clock() : 0.0; };
-  const double began = now();
-  auto solved = solver.solve(parameters, loads, slot.state, options);
-  const double rested = now();
-  ++work.cost.equilibria;
-  work.cost.equilibrium_s += rested - began;
-  if (solved) {
-    work.cost.iterations += solved->iterations;
-    work.cost.factorisations += solved->factorisations;
-    work.cost.evaluations += solved->evaluations;
-  }
-  if (!solved || !solved->is_good(options)) {
-    work.failure = solved ? describe(*solved, options) : solved.error().message;
-    return false;
-  }
-  slot.by_node = std::move(solved->by_node);
-  if (how.wanted == Derivative::none) return true;
-  const auto change = differentiate(sequence, frame, solver, parameters, how.wanted);
-  work.cost.sensitivity_s += now() - rested;
-  ++work.cost.sensitivities;
-  if (!change) work.failure = change.error().message;
-  return change.has_value();
-}
-
 /// Derivatives at the state that `solver` has just come to.
 Expected<void> SequenceEvaluator::differentiate(std::size_t sequence, std::size_t frame,
                                                 EquilibriumSolver& solver,
@@ -295,8 +213,10 @@ Expected<void> SequenceEvaluator::differentiate(std::size_t sequence, std::size_
                                                 Derivative wanted) {
   FrameWork::Slot& slot = frames_[sequence][frame]->slots[last_];
   if (wanted == Derivative::by_parameter) {
-    auto change = sensitivity_by_parameter(solver, parameters, slot.state,
-                                           options_.moving.empty() ? nullptr : &options_.moving);
+    const auto* only = options_.moving.empty() ? nullptr : &options_.moving;
+    auto change = remembers_ ? sensitivity_along_path(solver, parameters, slot.state, only,
+                                                      slot.end_by_parameter)
+                             : sensitivity_by_parameter(solver, parameters, slot.state, only);
     if (!change) return tl::unexpected(change.error());
     slot.by_parameter = std::move(*change);
     return {};

@@ -9,7 +9,10 @@
 // The first evaluation walks every sequence from its start, or from the measured configurations of
 // its frames. Later ones start each frame from where the last Jacobian was taken, moved by dx/dp
 // times the change of the parameters; so frames are independent of each other and are solved in as
-// many threads as wanted, with the same bytes. While a fit is stepping (Accuracy::stepping) a frame
+// many threads as wanted, with the same bytes. A model whose laws remember their path (friction,
+// plastic slip) is walked frame by frame from a sheet that was never strained, every time, and its
+// Jacobian is that of the whole path; then sequences are independent of each other, so that
+// elasticity and friction are fitted together. While a fit is stepping (Accuracy::stepping) a frame
 // costs about one factorisation, which serves the sensitivities too.
 //
 //   auto evaluator = SequenceEvaluator::make(model, sequences, {.threads = 2});
@@ -85,7 +88,8 @@ class SequenceEvaluator final : public ResidualFunction {
                                                Eigen::VectorXd& residuals,
                                                RowMatrix* jacobian) override;
   /// The cost, sum of weight r^2, and its gradient by the adjoint: one solve a frame however many
-  /// parameters there are. For many of them; fit() uses the Jacobian.
+  /// parameters there are (of a model that remembers: by its Jacobian). For many of them; fit()
+  /// uses the Jacobian.
   [[nodiscard]] mechanics::PathStatus evaluate_gradient(const Eigen::VectorXd& parameters,
                                                         double& cost, Eigen::VectorXd& gradient);
   void set_accuracy(Accuracy accuracy) override { accuracy_ = accuracy; }
@@ -109,6 +113,7 @@ class SequenceEvaluator final : public ResidualFunction {
     bool is_near = false;
     bool may_predict = false;  ///< from the solve before: only where one thread walks
     Derivative wanted = Derivative::none;
+    const mechanics::History* history = nullptr;
     bool gives_up = false;  ///< after stepping_max_iterations
   };
 
@@ -117,6 +122,10 @@ class SequenceEvaluator final : public ResidualFunction {
   mechanics::EquilibriumSolver& solver_of(int thread, std::size_t sequence, std::size_t frame);
   bool solve_all(const Eigen::VectorXd& parameters, Derivative wanted);
   void walk(const Run& run, int thread, const Eigen::VectorXd& parameters, Derivative wanted);
+  void walk_remembering(std::size_t sequence, int from, int thread,
+                        const Eigen::VectorXd& parameters, Derivative wanted);
+  void start_from(const FrameWork& work, int from, const Eigen::VectorXd& parameters,
+                  mechanics::State& state) const;
   bool solve_frame(std::size_t sequence, std::size_t frame, int thread,
                    const Eigen::VectorXd& parameters, const SolveHow& how);
   Expected<void> differentiate(std::size_t sequence, std::size_t frame,
@@ -142,6 +151,7 @@ class SequenceEvaluator final : public ResidualFunction {
   std::string failure_;
   SequenceCost cost_;
   int parameter_count_ = 0;
+  bool remembers_ = false;  ///< the model
   Accuracy accuracy_ = Accuracy::exact;
 
   // every frame keeps two slots: where the last Jacobian was taken, and the last evaluation, which

@@ -55,8 +55,10 @@ struct FrameSet {
   std::vector<double> gravity_factor;
   std::vector<double> pressure_Pa;
   std::vector<double> potential_J;
+  std::vector<double> time_s, kinetic_J, step_error_m;  ///< of motions; else empty
 
   std::vector<double> position_m;       ///< [frame][node][3]
+  std::vector<double> velocity_m_s;     ///< [frame][node][3] of motions; else empty
   std::vector<double> clip_position_m;  ///< [frame][clip][3]
   std::vector<double> clip_rotation;    ///< [frame][clip][row][column]
   std::vector<double> force_N;          ///< [frame][clip][3]

@@ -70,6 +70,11 @@ void write_solution(H5Writer& file, const FrameSet& f) {
   file.array(group + "/limit_violation", f.limit_violation, "1");
   file.array(group + "/gravity_factor", f.gravity_factor, "1");
   file.array(group + "/pressure", f.pressure_Pa, "Pa");
+  if (f.time_s.empty()) return;
+  file.array(group + "/time", f.time_s, "s");
+  file.array(group + "/step_error", f.step_error_m, "m");
+  file.attribute(group + "/step_error", "long_name",
+                 std::string("estimated errors of the time steps since the frame before"));
 }
 
 void write_mesh(H5Writer& file, const FrameSet& f) {
@@ -83,6 +88,9 @@ void write_mesh(H5Writer& file, const FrameSet& f) {
   over_frames(file, group + "/position", "position", f.position_m, f.frame_count(),
               {size_of(f.nodes), 3}, "m");
   file.array(group + "/frame", numbers(f.frame_count()));
+  if (!f.velocity_m_s.empty())
+    over_frames(file, group + "/velocity", "velocity", f.velocity_m_s, f.frame_count(),
+                {size_of(f.nodes), 3}, "m/s");
 }
 
 void write_clips(H5Writer& file, const FrameSet& f) {
@@ -118,6 +126,7 @@ void write_energies(H5Writer& file, const FrameSet& f) {
   file.array(group + "/potential", f.potential_J, "J");
   file.attribute(group + "/potential", "long_name",
                  std::string("material, loads and contact: what equilibrium minimises"));
+  if (!f.kinetic_J.empty()) file.array(group + "/kinetic", f.kinetic_J, "J");
 }
 
 void write_strains(H5Writer& file, const FrameSet& f) {

@@ -180,9 +180,14 @@ Clip read_clip(const Node& node, bool solid) {
 }
 
 Obstacle read_obstacle(const Node& node) {
-  if (one_of(node["kind"], {"plane", "cylinder"}) == "plane") {
+  const std::string kind = one_of(node["kind"], {"plane", "cylinder", "sphere"});
+  if (kind == "plane") {
     node.expect_object({"kind", "point_m", "normal"});
     return PlaneObstacle{node["point_m"].numbers<3>(), node["normal"].numbers<3>()};
+  }
+  if (kind == "sphere") {
+    node.expect_object({"kind", "point_m", "radius_m"});
+    return SphereObstacle{node["point_m"].numbers<3>(), node["radius_m"].number()};
   }
   node.expect_object({"kind", "point_m", "axis", "radius_m"});
   return CylinderObstacle{node["point_m"].numbers<3>(), node["axis"].numbers<3>(),
@@ -216,13 +221,20 @@ Motion read_motion(const Node& node) {
 }
 
 Phase read_phase(const Node& node) {
-  node.expect_object(
-      {"name", "frames", "motions", "cords", "weights", "forces", "gravity_factor", "pressure_Pa"});
+  node.expect_object({"name", "frames", "duration_s", "motions", "obstacles", "cords", "weights",
+                      "forces", "gravity_factor", "pressure_Pa"});
   Phase phase;
   phase.name = node["name"].text();
   phase.frames = node["frames"].whole(1, kMostFrames);
   if (node.has("motions"))
     for (const Node& motion : node["motions"].list()) phase.motions.push_back(read_motion(motion));
+  if (node.has("duration_s")) phase.duration_s = node["duration_s"].number();
+  if (node.has("obstacles"))
+    for (const Node& obstacle : node["obstacles"].list()) {
+      obstacle.expect_object({"obstacle", "move_m"});
+      phase.obstacles.push_back(
+          {obstacle["obstacle"].whole(0, kMostParts), obstacle["move_m"].numbers<3>()});
+    }
   if (node.has("cords"))
     for (const Node& cord : node["cords"].list()) {
       cord.expect_object({"clip", "cord", "force_N"});
@@ -259,6 +271,19 @@ Solver read_solver(const Node& node) {
   return solver;
 }
 
+Dynamics read_dynamics(const Node& node) {
+  node.expect_object({"step_s", "scheme", "error_m", "damping_s", "linearised", "start"});
+  Dynamics dynamics;
+  dynamics.step_s = node.number_or("step_s", dynamics.step_s);
+  if (node.has("scheme")) dynamics.scheme = one_of(node["scheme"], {"bdf2", "implicit_euler"});
+  dynamics.error_m = node.number_or("error_m", 0.0);
+  dynamics.damping_s = node.number_or("damping_s", 0.0);
+  if (node.has("linearised")) dynamics.is_linearised = node["linearised"].boolean();
+  if (node.has("start"))
+    dynamics.from_rest = one_of(node["start"], {"as_placed", "equilibrium"}) == "equilibrium";
+  return dynamics;
+}
+
 void read_loads(const Node& root, bool solid, Scene& scene) {
   if (root.has("weights"))
     for (const Node& node : root["weights"].list()) {
@@ -289,7 +314,7 @@ Scene read_scene(const Node& root) {
     root["version"].refuse("this program reads version 1 of the scene document");
   root.expect_object({"schema", "version", "name", "description", "mesh", "area_density_kg_m2",
                       "density_kg_m3", "mass_kg", "gravity_m_s2", "start", "clips", "obstacles",
-                      "weights", "forces", "pressure", "protocol", "solver"});
+                      "weights", "forces", "pressure", "protocol", "solver", "dynamics"});
   Scene scene;
   scene.name = root["name"].text();
   scene.description = root.text_or("description", "");
@@ -311,6 +336,7 @@ Scene read_scene(const Node& root) {
   if (root.has("protocol"))
     for (const Node& phase : root["protocol"].list()) scene.protocol.push_back(read_phase(phase));
   if (root.has("solver")) scene.solver = read_solver(root["solver"]);
+  if (root.has("dynamics")) scene.dynamics = read_dynamics(root["dynamics"]);
   return scene;
 }
 

@@ -100,7 +100,11 @@ struct CylinderObstacle {
   Vec3 axis = {1.0, 0.0, 0.0};
   double radius_m = 0.0;
 };
-using Obstacle = std::variant<PlaneObstacle, CylinderObstacle>;
+struct SphereObstacle {
+  Vec3 point_m = {};  ///< its middle
+  double radius_m = 0.0;
+};
+using Obstacle = std::variant<PlaneObstacle, CylinderObstacle, SphereObstacle>;
 
 /// A mass that hangs at nodes, in equal parts.
 struct Weight {
@@ -155,12 +159,20 @@ struct ForceValue {
   Vec3 force_N = {};
 };
 
+/// What an obstacle does in a phase, as a share of it.
+struct ObstacleMotion {
+  int obstacle = 0;  ///< its place among the scene's
+  Vec3 move_m = {};
+};
+
 /// Some frames over which everything changes linearly: clips by their motions (applied in order),
 /// the rest towards the values given.
 struct Phase {
   std::string name;
   int frames = 0;
+  std::optional<double> duration_s;  ///< with dynamics: always; without: never
   std::vector<Motion> motions;
+  std::vector<ObstacleMotion> obstacles;  ///< with dynamics only
   std::vector<CordForce> cords;
   std::vector<WeightMass> weights;
   std::vector<ForceValue> forces;
@@ -175,6 +187,16 @@ struct Solver {
   bool check_minimum = true;
   double contact_depth_m = 1e-6;
   int most_halvings = 5;  ///< of a frame's step, where it fails
+};
+
+/// Frames are instants of a motion, not states of rest.
+struct Dynamics {
+  double step_s = 0.01;         ///< the longest step
+  std::string scheme = "bdf2";  ///< bdf2 or implicit_euler
+  double error_m = 0.0;         ///< of one step, which it follows; 0: steps are as long as they may
+  double damping_s = 0.0;       ///< Baraff and Witkin's: this time its stiffness, for every strain
+  bool is_linearised = false;   ///< one linear system a step, for comparison
+  bool from_rest = false;       ///< frame 0 is the equilibrium; else the start as it is placed
 };
 
 struct Scene {
@@ -193,6 +215,7 @@ struct Scene {
   std::optional<Pressure> pressure;
   std::vector<Phase> protocol;
   Solver solver;
+  std::optional<Dynamics> dynamics;
 
   /// The start and every frame of the protocol.
   int frame_count() const;

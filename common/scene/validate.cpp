@@ -151,6 +151,9 @@ void check_boundary(const Scene& scene, Check& check) {
       check.finite(cylinder->point_m, path + ".point_m");
       check.direction(cylinder->axis, path + ".axis");
       check.positive(cylinder->radius_m, path + ".radius_m");
+    } else if (const auto* sphere = std::get_if<SphereObstacle>(&scene.obstacles[i])) {
+      check.finite(sphere->point_m, path + ".point_m");
+      check.positive(sphere->radius_m, path + ".radius_m");
     }
   }
 }
@@ -193,6 +196,19 @@ bool has_id(const List& list, const std::string& id) {
 
 void check_phase(const Phase& phase, const Scene& scene, const std::string& path, Check& check) {
   check.one_line(phase.name, path + ".name");
+  if (scene.dynamics)
+    check.that(phase.duration_s.has_value(), path, "a motion needs the phase's 'duration_s'");
+  else
+    check.that(!phase.duration_s.has_value(), path + ".duration_s",
+               "equilibria take no time: it is for a scene with 'dynamics'");
+  if (phase.duration_s) check.positive(*phase.duration_s, path + ".duration_s");
+  for (std::size_t i = 0; i < phase.obstacles.size(); ++i) {
+    const std::string here = at(path + ".obstacles", i);
+    check.that(scene.dynamics.has_value(), here, "obstacles move in a scene with 'dynamics' only");
+    check.that(phase.obstacles[i].obstacle < static_cast<int>(scene.obstacles.size()),
+               here + ".obstacle", "the scene has no obstacle of this number");
+    check.finite(phase.obstacles[i].move_m, here + ".move_m");
+  }
   for (std::size_t i = 0; i < phase.motions.size(); ++i) {
     const Motion& motion = phase.motions[i];
     const std::string here = at(path + ".motions", i);
@@ -237,6 +253,12 @@ void check_solver(const Solver& solver, Check& check) {
   check.positive(solver.contact_depth_m, "solver.contact_depth_m");
 }
 
+void check_dynamics(const Dynamics& dynamics, Check& check) {
+  check.positive(dynamics.step_s, "dynamics.step_s");
+  check.not_negative(dynamics.error_m, "dynamics.error_m");
+  check.not_negative(dynamics.damping_s, "dynamics.damping_s");
+}
+
 }  // namespace
 
 bool is_solid(const Mesh& mesh) {
@@ -272,6 +294,7 @@ Expected<void> validate(const Scene& scene) {
   check.that(frames <= kMostFrames, "protocol",
              "has more than " + std::to_string(kMostFrames) + " frames");
   check_solver(scene.solver, check);
+  if (scene.dynamics) check_dynamics(*scene.dynamics, check);
   return check.result();
 }
 

@@ -128,7 +128,7 @@ void FrameCollector::add_strains(const std::vector<mechanics::TermStrains>& stra
 Expected<void> FrameCollector::add(const mechanics::SceneFrame& frame) {
   if (set_.frame_count() == 0) {
     begin_strains(frame.strains);
-    double numbers = 3.0 * set_.nodes;
+    double numbers = (frame.instant ? 6.0 : 3.0) * set_.nodes;
     for (const frames::StrainSeries& s : set_.strains)
       numbers += static_cast<double>(s.share.size()) * s.strains();
     if (const double bytes = 8.0 * numbers * frames_asked_; bytes > kMostFrameBytes) {
@@ -155,6 +155,12 @@ Expected<void> FrameCollector::add(const mechanics::SceneFrame& frame) {
   set_.pressure_Pa.push_back(frame.levels.pressure_Pa);
   set_.potential_J.push_back(frame.energy_J);
   append(set_.position_m, frame.state.x);
+  if (frame.instant) {
+    set_.time_s.push_back(frame.instant->time_s);
+    set_.kinetic_J.push_back(frame.instant->kinetic_J);
+    set_.step_error_m.push_back(frame.instant->error_m);
+    append(set_.velocity_m_s, frame.instant->velocity_m_s);
+  }
   for (std::size_t c = 0; c < frame.reactions.size(); ++c) {
     const mechanics::Pose& pose = frame.state.clips[c];
     append(set_.clip_position_m, pose.position_m);

@@ -64,12 +64,12 @@ Expected<void> run_scene(const JobInput& input, const json& spec,
   report({"mesh", "", 0, 0.0, 0.01});
   auto run = mechanics::SceneRun::make(*scene, *model);
   if (!run) return fail(run.error().kind, "scene: " + run.error().message);
-  FrameCollector frames(*run, *model);
+  FrameCollector frames(*run, run->model());
   Expected<void> kept;
   mechanics::SceneHooks hooks;
   hooks.on_frame = [&](const mechanics::SceneFrame& frame) { kept = frames.add(frame); };
   hooks.go_on = [&](int frame, int iterations) {
-    report({"equilibrium", words_of(*scene, frame), iterations, 0.0,
+    report({scene->dynamics ? "motion" : "equilibrium", words_of(*scene, frame), iterations, 0.0,
             0.02 + 0.96 * frame / scene->frame_count()});
     return kept && !stop.stop_requested();
   };
@@ -83,7 +83,7 @@ Expected<void> run_scene(const JobInput& input, const json& spec,
   report({"write", "", 0, 0.0, 0.98});
   frames::FrameSet set = frames.set();
   set.scene_json = scene_json;
-  const std::string text = simulation_document(*scene, *model, set, *end).dump(1) + "\n";
+  const std::string text = simulation_document(*scene, run->model(), set, *end).dump(1) + "\n";
   if (auto written =
           write_atomically((input.staging / "result.json").string(), text.data(), text.size());
       !written)

@@ -25,16 +25,22 @@ json row(const frames::FrameSet& f, std::size_t frame) {
                              {"torque_N_m", vector3(f.torque_N_m, at)}};
   }
   const int phase = f.phase[frame];
-  return {{"frame", frame},
-          {"phase", phase < 0 ? json(nullptr) : json(f.phases[static_cast<std::size_t>(phase)])},
-          {"phase_share", f.phase_share[frame]},
-          {"steps", f.steps[frame]},
-          {"iterations", f.iterations[frame]},
-          {"stability", kStability[f.stability[frame]]},
-          {"net_force_N", f.net_force_N[frame]},
-          {"potential_J", f.potential_J[frame]},
-          {"energies_J", energies},
-          {"reactions", reactions}};
+  json result = {
+      {"frame", frame},
+      {"phase", phase < 0 ? json(nullptr) : json(f.phases[static_cast<std::size_t>(phase)])},
+      {"phase_share", f.phase_share[frame]},
+      {"steps", f.steps[frame]},
+      {"iterations", f.iterations[frame]},
+      {"stability", kStability[f.stability[frame]]},
+      {"net_force_N", f.net_force_N[frame]},
+      {"potential_J", f.potential_J[frame]},
+      {"energies_J", energies},
+      {"reactions", reactions}};
+  if (!f.time_s.empty()) {
+    result["time_s"] = f.time_s[frame];
+    result["kinetic_J"] = f.kinetic_J[frame];
+  }
+  return result;
 }
 
 }  // namespace

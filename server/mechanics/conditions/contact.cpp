@@ -30,6 +30,22 @@ Gap gap_of(const Cylinder& cylinder, const Eigen::Vector3d& x) {
   return result;
 }
 
+Gap gap_of(const Sphere& sphere, const Eigen::Vector3d& x) {
+  const Eigen::Vector3d radial = x - sphere.point_m;
+  const double distance = radial.norm();
+  Gap result;
+  result.value_m = distance - sphere.radius_m;
+  constexpr double kInMiddle = 1e-9;  // of the radius
+  if (distance <= kInMiddle * sphere.radius_m) {
+    result.normal = Eigen::Vector3d::UnitZ();
+    return result;
+  }
+  result.normal = radial / distance;
+  result.curvature =
+      (Eigen::Matrix3d::Identity() - result.normal * result.normal.transpose()) / distance;
+  return result;
+}
+
 bool is_unit(const Eigen::Vector3d& v) {
   return std::abs(v.norm() - 1.0) < 1e-9;
 }
@@ -41,12 +57,16 @@ Expected<void> check(const std::vector<Obstacle>& obstacles) {
     if (const auto* plane = std::get_if<Plane>(&obstacle)) {
       if (!is_unit(plane->normal) || !plane->point_m.allFinite())
         return bad_input("the plane's normal must be of length one, its point finite");
-    } else {
-      const auto& cylinder = std::get<Cylinder>(obstacle);
-      if (!is_unit(cylinder.axis) || !cylinder.point_m.allFinite())
+    } else if (const auto* cylinder = std::get_if<Cylinder>(&obstacle)) {
+      if (!is_unit(cylinder->axis) || !cylinder->point_m.allFinite())
         return bad_input("the cylinder's axis must be of length one, its point finite");
-      if (!(cylinder.radius_m > 0.0) || !std::isfinite(cylinder.radius_m))
+      if (!(cylinder->radius_m > 0.0) || !std::isfinite(cylinder->radius_m))
         return bad_input("the cylinder's radius must be positive");
+    } else {
+      const auto& sphere = std::get<Sphere>(obstacle);
+      if (!sphere.point_m.allFinite() || !(sphere.radius_m > 0.0) ||
+          !std::isfinite(sphere.radius_m))
+        return bad_input("the sphere's middle must be finite, its radius positive");
     }
   }
   return {};

@@ -2,6 +2,7 @@
 // Frictionless contact of nodes with rigid obstacles, as an augmented Lagrangian.
 //
 //   g(x) >= 0     plane: n . (x - point)      cylinder: distance from its axis - radius
+//                 sphere: distance from its middle - radius
 //   E += sum over nodes and obstacles  (max(0, lambda - mu g)^2 - lambda^2) / (2 mu)
 //
 // lambda >= 0 is the force between node and obstacle (N); after a minimisation it is set to
@@ -36,7 +37,13 @@ struct Cylinder {
   double radius_m = 0.0;
 };
 
-using Obstacle = std::variant<Plane, Cylinder>;
+/// Nodes stay outside.
+struct Sphere {
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< its middle
+  double radius_m = 0.0;
+};
+
+using Obstacle = std::variant<Plane, Cylinder, Sphere>;
 
 /// bad_input for directions that are not of unit length and a radius that is not positive.
 Expected<void> check(const std::vector<Obstacle>& obstacles);
@@ -46,7 +53,7 @@ struct Gap {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();  ///< d2g/dx2, 1/m
 };
-/// On the axis of a cylinder the normal is any one across it.
+/// On the axis of a cylinder or the middle of a sphere the normal is any one.
 Gap gap(const Obstacle& obstacle, const Eigen::Vector3d& x);
 
 class Contact {

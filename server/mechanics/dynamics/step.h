@@ -90,6 +90,8 @@ class TimeStepper {
   const MeshModel& model() const { return *model_; }
   const Boundary& boundary() const { return boundary_; }
   const Unknowns& unknowns() const { return *unknowns_; }
+  /// Slope of the last step's incremental potential over all nodes, N: what holders feel.
+  const Eigen::VectorXd& by_node() const { return work_.current.by_node; }
   /// Force between obstacles and nodes after the last step: [obstacle * free nodes + free node].
   Eigen::VectorXd contact_force_N(const State& state) const {
     return rounds_.contact().acting_forces_N(state.x);

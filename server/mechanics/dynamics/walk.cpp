@@ -22,8 +22,7 @@ double growth(double wanted_m, double estimate_m, int order) {
 
 Expected<WalkEnd> walk_until(TimeStepper& stepper, const Eigen::VectorXd& parameters,
                              const Script& script, double until_s, const StepOptions& options,
-                             StepLength& length, Motion& motion,
-                             const std::function<bool()>& go_on) {
+                             StepLength& length, Motion& motion, const WalkHooks& hooks) {
   if (!(length.largest_s > 0.0) || !(length.smallest_s > 0.0) || !(length.error_m >= 0.0))
     return bad_input("lengths of steps must be positive, their error not negative");
   if (!(until_s >= motion.time_s)) return bad_input("the walk ends before it begins");
@@ -32,7 +31,7 @@ Expected<WalkEnd> walk_until(TimeStepper& stepper, const Eigen::VectorXd& parame
   StepOptions how = options;
   how.largest_error_m = length.error_m;
   while (until_s - motion.time_s > kSameInstant * length.largest_s) {
-    if (go_on && !go_on()) {
+    if (hooks.go_on && !hooks.go_on()) {
       end.how = WalkEnd::How::stopped;
       return end;
     }
@@ -56,6 +55,10 @@ Expected<WalkEnd> walk_until(TimeStepper& stepper, const Eigen::VectorXd& parame
       length.next_s = length.error_m > 0.0
                           ? duration_s * growth(length.error_m, end.last.error_m, end.last.order)
                           : std::min(length.largest_s, kMostGrowth * duration_s);
+      if (hooks.on_step && !hooks.on_step(motion)) {
+        end.how = WalkEnd::How::stopped;
+        return end;
+      }
       continue;
     }
     ++end.rejected;

@@ -32,7 +32,7 @@ struct WalkEnd {
   enum class How {
     complete,
     too_small,  ///< a step of the smallest length fails
-    stopped     ///< by go_on
+    stopped     ///< by a hook
   };
   How how = How::complete;
   std::string reason;  ///< one sentence, where a step failed
@@ -46,11 +46,15 @@ struct WalkEnd {
   StepResult last;
 };
 
+struct WalkHooks {
+  std::function<bool()> go_on;                 ///< asked before every step; empty: always
+  std::function<bool(const Motion&)> on_step;  ///< after every step that was taken; false stops
+};
+
 /// bad_input as TimeStepper::step, and for lengths that are not positive or an end before the
-/// motion's time. `go_on` is asked before every step; empty: always.
+/// motion's time.
 Expected<WalkEnd> walk_until(TimeStepper& stepper, const Eigen::VectorXd& parameters,
                              const Script& script, double until_s, const StepOptions& options,
-                             StepLength& length, Motion& motion,
-                             const std::function<bool()>& go_on = {});
+                             StepLength& length, Motion& motion, const WalkHooks& hooks = {});
 
 }  // namespace tenter::mechanics

@@ -11,6 +11,7 @@
 #include "server/mechanics/laws/gaussian_energy.h"
 #include "server/mechanics/laws/hermite_energy.h"
 #include "server/mechanics/laws/linear.h"
+#include "server/mechanics/laws/linearised_dahl.h"
 #include "server/mechanics/laws/memory.h"
 #include "server/mechanics/laws/ogden.h"
 #include "server/mechanics/laws/spline.h"
@@ -85,6 +86,7 @@ constexpr Row kRows[] = {
     {"gaussian_energy_2", make_gaussian_energy<2>},
     {"exponential_fibre", make_single<ExponentialFibreLaw>},
     {"dahl", make_each<DahlLaw>},
+    {"dahl_linearised", make_single<LinearisedDahlLaw>},
     {"maxwell", make_each<MaxwellLaw>},
     {"kelvin_voigt", make_each<KelvinVoigtLaw>},
     {"plastic_set", make_single<PlasticSetLaw>},

@@ -37,6 +37,7 @@ Levels first_levels(const scene::Scene& scene, std::vector<Pose> poses) {
   }
   for (const scene::Weight& weight : scene.weights) levels.weight_kg.push_back(weight.mass_kg);
   for (const scene::Force& force : scene.forces) levels.force_N.push_back(vector3(force.force_N));
+  levels.obstacle_move_m.assign(scene.obstacles.size(), Eigen::Vector3d::Zero());
   levels.gravity_factor = scene.start.gravity_factor;
   levels.pressure_Pa = scene.pressure ? scene.pressure->pressure_Pa : 0.0;
   return levels;
@@ -74,6 +75,9 @@ Levels levels_in(const scene::Scene& scene, const scene::Phase& phase, const Lev
     Eigen::Vector3d& force = levels.force_N[index_of(scene.forces, push.force)];
     force = towards(force, vector3(push.force_N)).eval();
   }
+  for (const scene::ObstacleMotion& motion : phase.obstacles)
+    levels.obstacle_move_m[static_cast<std::size_t>(motion.obstacle)] +=
+        share * vector3(motion.move_m);
   if (phase.gravity_factor)
     levels.gravity_factor = towards(from.gravity_factor, *phase.gravity_factor);
   if (phase.pressure_Pa) levels.pressure_Pa = towards(from.pressure_Pa, *phase.pressure_Pa);

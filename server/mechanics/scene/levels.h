@@ -24,6 +24,7 @@ struct Levels {
   std::vector<std::vector<Eigen::Vector3d>> cord_force_N;  ///< [clip][cord]
   std::vector<double> weight_kg;                           ///< as scene.weights
   std::vector<Eigen::Vector3d> force_N;                    ///< as scene.forces
+  std::vector<Eigen::Vector3d> obstacle_move_m;            ///< since the start, as scene.obstacles
   double gravity_factor = 1.0;
   double pressure_Pa = 0.0;
 };

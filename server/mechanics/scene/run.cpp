@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/model/catalogue.h"
+#include "server/mechanics/dynamics/damping.h"
 
 namespace tenter::mechanics {
 namespace {
@@ -41,7 +42,13 @@ Expected<SceneRun> SceneRun::make(const scene::Scene& scene, const model::Model&
   auto body = make_body(scene);
   if (!body) return tl::unexpected(body.error());
   run.body_ = std::move(*body);
-  auto bound = bind(model, run.body_);
+  run.description_ = model;
+  if (scene.dynamics) {
+    auto damped = with_damping(model, scene.dynamics->damping_s);
+    if (!damped) return fail(damped.error().kind, "dynamics.damping_s: " + damped.error().message);
+    if (scene.dynamics->damping_s > 0.0) run.description_ = std::move(*damped);
+  }
+  auto bound = bind(run.description_, run.body_);
   if (!bound) return fail(bound.error().kind, "model: " + bound.error().message);
   run.model_ = std::make_unique<const MeshModel>(std::move(*bound));
   auto set_up = make_set_up(scene, run.body_);
@@ -50,9 +57,9 @@ Expected<SceneRun> SceneRun::make(const scene::Scene& scene, const model::Model&
   auto solver = EquilibriumSolver::make(*run.model_, run.set_up_.boundary, run.set_up_.obstacles);
   if (!solver) return tl::unexpected(solver.error());
   run.solver_ = std::make_unique<EquilibriumSolver>(std::move(*solver));
-  run.parameters_ = term_parameters(model);
-  for (std::size_t t = 0; t < model.terms.size(); ++t)
-    if (model::find_law(model.terms[t].law.name)->path_dependent)
+  run.parameters_ = term_parameters(run.description_);
+  for (std::size_t t = 0; t < run.description_.terms.size(); ++t)
+    if (model::find_law(run.description_.terms[t].law.name)->path_dependent)
       run.remembering_.push_back(static_cast<int>(t));
   run.options_ = options_of(scene.solver);
   return run;
@@ -173,6 +180,7 @@ Expected<bool> SceneRun::finish(const Levels& levels, const State& state, SceneF
 }
 
 Expected<SceneEnd> SceneRun::walk(const SceneHooks& hooks) {
+  if (scene_.dynamics) return walk_in_time(hooks);
   SceneEnd end;
   State state = set_up_.start;
   Levels levels = first_levels(scene_, state.clips);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Walks a scene: the equilibrium of the start, then of every frame of the protocol, each from the
-// one before.
+// one before. A scene with dynamics moves instead (dynamics/walk.h): its frames are instants.
 //
 //   auto run = SceneRun::make(scene, model);
 //   if (!run) return tl::unexpected(run.error());
@@ -24,6 +24,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,12 +32,21 @@
 #include "common/model/model.h"
 #include "common/scene/scene.h"
 #include "server/mechanics/assembly/term_strains.h"
+#include "server/mechanics/dynamics/walk.h"
 #include "server/mechanics/equilibrium/equilibrium.h"
 #include "server/mechanics/scene/body.h"
 #include "server/mechanics/scene/levels.h"
 #include "server/mechanics/scene/set_up.h"
 
 namespace tenter::mechanics {
+
+/// Of a frame of a motion.
+struct SceneInstant {
+  double time_s = 0.0;
+  double kinetic_J = 0.0;
+  double error_m = 0.0;          ///< estimates of all steps since the frame before, summed
+  Eigen::VectorXd velocity_m_s;  ///< 3 a node
+};
 
 struct SceneFrame {
   int number = 0;      ///< 0: the start
@@ -45,7 +55,8 @@ struct SceneFrame {
   State state;
   Levels levels;
   std::vector<Wrench> reactions;  ///< on every clip, about its position: loads.h, reaction()
-  double energy_J = 0.0;          ///< the potential: material, loads, contact
+  /// The potential: material, loads, contact. In motion: loads and what the material stores.
+  double energy_J = 0.0;
   /// Of the material, as the model's terms; of one that remembers its path, the work that it took
   /// along it, stored or lost.
   Eigen::VectorXd term_energies_J;
@@ -57,19 +68,20 @@ struct SceneFrame {
   int steps = 1;                 ///< equilibria on the way here; 1: the step was not cut
   int iterations = 0;
   int factorisations = 0;
+  std::optional<SceneInstant> instant;  ///< of scenes with dynamics
 };
 
 struct SceneHooks {
   std::function<void(const SceneFrame&)> on_frame;
-  /// Asked before every equilibrium with the frame's number and its iterations so far; false ends
-  /// the walk.
+  /// Asked before every equilibrium or time step with the frame's number and its iterations so far;
+  /// false ends the walk.
   std::function<bool(int frame, int iterations)> go_on;
 };
 
 struct SceneEnd {
   enum class How {
     complete,
-    failed,  ///< a frame has no equilibrium that could be reached
+    failed,  ///< a frame has no equilibrium that could be reached, or a shortest step fails
     stopped  ///< by go_on
   };
   How how = How::complete;
@@ -86,6 +98,8 @@ class SceneRun {
   const scene::Scene& scene() const { return scene_; }
   const SceneBody& body() const { return body_; }
   const SetUp& set_up() const { return set_up_; }
+  /// As it is run: with the damping that the scene asks for.
+  const model::Model& model() const { return description_; }
 
   Expected<SceneEnd> walk(const SceneHooks& hooks);
 
@@ -104,9 +118,18 @@ class SceneRun {
   bool remember(const State& from, const State& to);
   Expected<bool> finish(const Levels& levels, const State& state, SceneFrame& frame);
 
+  // in motion: walk_in_time.cpp
+  Expected<SceneEnd> walk_in_time(const SceneHooks& hooks);
+  StepInput input_at(const Levels& levels) const;
+  /// The work of a step that was taken, of terms that remember.
+  bool count_work(const Motion& motion);
+  bool finish_instant(const Levels& levels, const Motion& motion, const Eigen::VectorXd& by_node,
+                      SceneFrame& frame);
+
   scene::Scene scene_;
   SceneBody body_;
   SetUp set_up_;
+  model::Model description_;
   std::unique_ptr<const MeshModel> model_;
   Eigen::VectorXd parameters_;
   EquilibriumOptions options_;

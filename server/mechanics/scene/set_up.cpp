@@ -52,6 +52,8 @@ Expected<void> add_clip(const scene::Clip& from, const SceneBody& body, SetUp& s
 Obstacle obstacle_of(const scene::Obstacle& from) {
   if (const auto* plane = std::get_if<scene::PlaneObstacle>(&from))
     return Plane{vector3(plane->point_m), vector3(plane->normal).normalized()};
+  if (const auto* sphere = std::get_if<scene::SphereObstacle>(&from))
+    return Sphere{vector3(sphere->point_m), sphere->radius_m};
   const auto& cylinder = std::get<scene::CylinderObstacle>(from);
   return Cylinder{vector3(cylinder.point_m), vector3(cylinder.axis).normalized(),
                   cylinder.radius_m};
@@ -143,6 +145,13 @@ Loads loads_at(const SetUp& set_up, const SceneBody& body, const Levels& levels)
   loads.cord_force_N = levels.cord_force_N;
   loads.pressure_Pa = levels.pressure_Pa;
   return loads;
+}
+
+std::vector<Obstacle> obstacles_at(const SetUp& set_up, const Levels& levels) {
+  std::vector<Obstacle> moved = set_up.obstacles;
+  for (std::size_t i = 0; i < moved.size(); ++i)
+    std::visit([&](auto& shape) { shape.point_m += levels.obstacle_move_m[i]; }, moved[i]);
+  return moved;
 }
 
 Eigen::VectorXd rim_force_N(const Boundary& boundary, double pressure_Pa,

@@ -37,6 +37,9 @@ Expected<SetUp> make_set_up(const scene::Scene& scene, const SceneBody& body);
 /// Weights hang at their nodes in equal parts, forces the same.
 Loads loads_at(const SetUp& set_up, const SceneBody& body, const Levels& levels);
 
+/// The obstacles where they are at these levels.
+std::vector<Obstacle> obstacles_at(const SetUp& set_up, const Levels& levels);
+
 /// What a pressure really pushes with at the nodes of the surface's rim, minus what the potential
 /// of conditions/loads.h says there (it closes the surface over the origin): 3 numbers a node (N),
 /// zero elsewhere. Reactions of clips are to be corrected by it.

@@ -54,6 +54,42 @@ TEST(DahlLaw, HoldsTheDerivativesOfALaw) {
   }
 }
 
+TEST(LinearisedDahlLaw, HoldsTheDerivativesOfALaw) {
+  for (const double* p : {kConstant, kGrowing, kCurved}) {
+    const std::vector<double> values(p, p + 4);
+    check_law({.words = "dahl_linearised b " + std::to_string(p[1]),
+               .law = law_with("dahl_linearised", values),
+               .kinks = {0.0}});
+  }
+}
+
+/// Steps of one length through a pull and a release: the shorter they are, the nearer to 5.2, but
+/// for one step after the reversal.
+TEST(LinearisedDahlLaw, ComesToTheExactOneWithShorterSteps) {
+  const std::vector<double> values(kGrowing, kGrowing + 4);
+  const auto exact = make_law(law_with("dahl", values), 1).value();
+  const auto linear = make_law(law_with("dahl_linearised", values), 1).value();
+  double off[2];
+  for (int fine = 0; fine < 2; ++fine) {
+    const int steps = fine ? 80 : 40;
+    std::vector<double> path;
+    for (int k = 1; k <= steps; ++k) path.push_back(0.04 * k / steps);
+    for (int k = 1; k <= steps; ++k) path.push_back(0.04 - 0.03 * k / steps);
+    const auto wanted = follow_law(*exact, values, path, 1.0);
+    const auto found = follow_law(*linear, values, path, 1.0);
+    off[fine] = 0.0;
+    for (std::size_t k = 2; k < path.size(); ++k) {
+      const bool is_reversal = k == static_cast<std::size_t>(steps);
+      if (!is_reversal) off[fine] = std::max(off[fine], std::abs(found[k] - wanted[k]));
+      if (is_reversal) {
+        EXPECT_GT(std::abs(found[k] - wanted[k]), 2.0 * off[fine]);
+      }
+    }
+    ASSERT_GT(off[fine], 1e-6);
+  }
+  EXPECT_LT(off[1], 0.4 * off[0]);
+}
+
 TEST(DahlLaw, SolvesItsDifferentialEquation) {
   Numbers numbers(1);
   for (const double* p : {kConstant, kGrowing, kCurved}) {

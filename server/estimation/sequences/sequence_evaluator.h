@@ -62,7 +62,9 @@ struct SequenceOptions {
   std::function<void(const FrameNote&)> on_frame = nullptr;
 };
 
-/// What evaluations have cost so far. Seconds are summed over threads; zero without a clock.
+/// What evaluations have cost so far. Seconds are summed over threads; zero without a clock. Of an
+/// evaluation that fails, threads may have solved more or fewer of the frames after the first that
+/// has no rest.
 struct SequenceCost {
   int equilibria = 0;
   int iterations = 0;

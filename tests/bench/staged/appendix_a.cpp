@@ -4,6 +4,7 @@
 //
 //   tenter-bench-appendix-a [--nodes=25] [--frames=20] [--threads=2] [--fabrics=4,12,14,18]
 //                           [--cord=0.1] [--json=FILE] [--html=FILE]
+//                           [--curves=hermite_stiffness] [--points=5]
 //
 // Entries as in the thesis: N for stretch (all clips), N along the clips for shear, mm over free
 // points for bending; held out: N and mm. Rows are fitted at the same time, one thread each.
@@ -109,6 +110,8 @@ int main(int argc, char** argv) {
   rig.frames = std::stoi(bench::argument(argc, argv, "frames", "20"));
   rig.cord_loop_N = std::stod(bench::argument(argc, argv, "cord", "0"));
   const int threads = std::stoi(bench::argument(argc, argv, "threads", "2"));
+  const int points = std::stoi(bench::argument(argc, argv, "points", "5"));
+  const std::string curves = bench::argument(argc, argv, "curves", "");
   const std::string page_file = bench::argument(argc, argv, "html", "");
   bench::AppendixPage page;
   const std::string file = bench::argument(argc, argv, "json", "");
@@ -124,7 +127,8 @@ int main(int argc, char** argv) {
     for (auto&& sequences : {bench::fitting_sequences(fabric + ".2", again),
                              bench::evaluation_sequences(fabric + ".2", again)})
       others.insert(others.end(), sequences.begin(), sequences.end());
-    const auto variants = estimation::all_variants();
+    auto variants = estimation::all_variants();
+    for (estimation::Variant& variant : variants) variant.curves = curves;
     std::vector<Cell> cells(variants.size());
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
@@ -132,6 +136,7 @@ int main(int argc, char** argv) {
         const double before = bench::thread_cpu_seconds();
         estimation::StagedOptions options;
         options.stage.threads = 1;
+        options.stage.most_points = points;
         cells[k].row.variant = variants[k];
         auto row = estimation::appendix_row(variants[k], training, others, options);
         if (row)

@@ -2,11 +2,13 @@
 // The staged fit of one twin fabric (thesis 3.4.2): time, what each stage did, memory.
 //
 //   tenter-bench-staged [--fabric=18] [--nodes=25] [--frames=40] [--threads=2] [--coupled=1]
-//                       [--early=20] [--model=cloth_springs_spline]
+//                       [--early=10] [--model=cloth_springs_spline] [--law=hermite_stiffness]
+//                       [--points=5] [--verbose=1]
 #include <chrono>
 #include <cstdio>
 
 #include "common/model/presets.h"
+#include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/staged/staged_fit.h"
 #include "tests/bench/staged/twin_rig.h"
 
@@ -37,7 +39,8 @@ int main(int argc, char** argv) {
   estimation::StagedOptions options;
   options.stage.threads = number("threads", "2");
   options.coupled = number("coupled", "1") != 0;
-  options.early_frames = number("early", "20");
+  options.stage.most_points = number("points", "5");
+  options.early_frames = number("early", "10");
   const std::string form = bench::argument(argc, argv, "model", "cloth_stvk_spline");
   before = Clock::now();
   const double cpu_before = bench::cpu_seconds();
@@ -49,7 +52,11 @@ int main(int argc, char** argv) {
       std::fflush(stdout);
       return true;
     };
-  const auto fit = estimation::staged_fit(model::preset(form).value(), measured, options);
+  model::Model start = model::preset(form).value();
+  if (const std::string law = bench::argument(argc, argv, "law", ""); !law.empty())
+    for (model::Term& term : start.terms)
+      if (estimation::is_spline(term.law)) term.law.name = law;
+  const auto fit = estimation::staged_fit(std::move(start), measured, options);
   if (!fit) {
     std::fprintf(stderr, "%s\n", fit.error().message.c_str());
     return 1;

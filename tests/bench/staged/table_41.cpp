@@ -2,7 +2,7 @@
 // Table 4.1 of the thesis for the twins of its two fabrics (A: #12, B: #14): the energy grows by an
 // addend a step; training errors as in the thesis, and those of the held-out sequences.
 //
-//   tenter-bench-table-41 [--nodes=17] [--frames=20] [--threads=2] [--fabrics=12,14] [--cord=0.1]
+//   tenter-bench-table-41 [--nodes=25] [--frames=20] [--threads=2] [--fabrics=12,14] [--cord=0.1]
 #include <chrono>
 #include <cstdio>
 #include <sstream>
@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   using namespace tenter;
   using Clock = std::chrono::steady_clock;
   bench::RigSettings rig;
-  rig.nodes = std::stoi(bench::argument(argc, argv, "nodes", "17"));
+  rig.nodes = std::stoi(bench::argument(argc, argv, "nodes", "25"));
   rig.frames = std::stoi(bench::argument(argc, argv, "frames", "20"));
   rig.cord_loop_N = std::stod(bench::argument(argc, argv, "cord", "0"));
   estimation::StageOptions options;

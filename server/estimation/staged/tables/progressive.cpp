@@ -252,6 +252,7 @@ Expected<std::vector<ProgressiveRow>> progressive_fit(const std::vector<RoleSequ
   evaluating.tolerance_N = options.tolerance_N;
   evaluating.weighting = options.weighting;
   FitOptions fitting;
+  fitting.method = options.method;
   fitting.max_iterations = options.max_iterations;
   fitting.tolerance = options.tolerance;
   ProgressiveRanges ranges;

@@ -2,6 +2,7 @@
 #include "server/estimation/staged/tables/variants.h"
 
 #include "common/model/presets.h"
+#include "server/estimation/staged/splines/spline_refinement.h"
 
 namespace tenter::estimation {
 
@@ -11,7 +12,7 @@ std::vector<Variant> all_variants() {
     for (const bool is_nonlinear : {true, false})
       for (const ClothModel cloth :
            {ClothModel::soft_constraints, ClothModel::stvk, ClothModel::springs})
-        variants.push_back({cloth, is_nonlinear, is_isotropic});
+        variants.push_back({cloth, is_nonlinear, is_isotropic, {}});
   return variants;
 }
 
@@ -39,6 +40,9 @@ VariantModel variant_model(const Variant& variant) {
   if (variant.is_nonlinear) name += "_spline";
   VariantModel result;
   result.model = model::preset(name).value();
+  if (!variant.curves.empty())
+    for (model::Term& term : result.model.terms)
+      if (is_spline(term.law)) term.law.name = variant.curves;
   const std::vector<std::string> shear = terms_of(result.model, Component::shear);
   if (shear.size() > 1) result.ties.push_back(shear);
   if (!variant.is_isotropic) return result;

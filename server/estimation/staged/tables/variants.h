@@ -23,6 +23,8 @@ struct Variant {
   ClothModel cloth = ClothModel::stvk;
   bool is_nonlinear = true;
   bool is_isotropic = false;
+  std::string curves =
+      {};  ///< law of the nonlinear ones, e.g. "hermite_stiffness"; empty: presets'
 };
 
 /// In the order of the tables: nonlinear before linear, orthotropic before isotropic.

@@ -181,6 +181,53 @@ TEST(SequenceFit, IsTheSameToTheByteForAnyNumberOfThreads) {
   EXPECT_EQ(first.jacobian, second.jacobian);
 }
 
+/// A step after which frames are far from their rest is refused, by the first such frame whatever
+/// the threads did; where the last Jacobian was taken all is as before.
+TEST(SequenceFit, GivesUpAStepThatTakesTooLong) {
+  const Eigen::VectorXd at = true_values();
+  Eigen::VectorXd before, after;
+  RowMatrix jacobian;
+  std::string why[2];
+  for (const int threads : {1, 2}) {
+    SequenceOptions options{threads};
+    options.stepping_max_iterations = 0;
+    auto evaluator =
+        SequenceEvaluator::make(cloth_model(at), measured_sequences(3), options).value();
+    evaluator.set_accuracy(Accuracy::stepping);
+    ASSERT_EQ(evaluator.evaluate(at, before, &jacobian), mechanics::PathStatus::ok);
+    ASSERT_EQ(evaluator.evaluate(2.0 * at, after, nullptr), mechanics::PathStatus::no_equilibrium);
+    why[threads - 1] = evaluator.failure();
+    evaluator.set_accuracy(Accuracy::exact);
+    ASSERT_EQ(evaluator.evaluate(at, after, &jacobian), mechanics::PathStatus::ok);
+    EXPECT_LT((after - before).norm(), 1e-5 * before.norm());
+    ASSERT_EQ(evaluator.evaluate(2.0 * at, after, nullptr), mechanics::PathStatus::ok);
+    EXPECT_GT((after - before).norm(), 0.1 * before.norm());
+  }
+  EXPECT_FALSE(why[0].empty());
+  EXPECT_EQ(why[0], why[1]);
+}
+
+TEST(SequenceFit, RestsOfNearlyTheseParametersAreStartsOfFewerIterations) {
+  const Eigen::VectorXd at = true_values();
+  auto first = SequenceEvaluator::make(cloth_model(at), measured_sequences(3), {}).value();
+  Eigen::VectorXd residuals[2];
+  ASSERT_EQ(first.evaluate(at, residuals[0], nullptr), mechanics::PathStatus::ok);
+  auto sequences = first.sequences();
+  for (std::size_t s = 0; s < sequences.size(); ++s)
+    for (std::size_t f = 0; f < sequences[s].frames.size(); ++f)
+      sequences[s].frames[f].start = first.states()[s][f];
+  int iterations[2];
+  for (const bool is_near : {false, true}) {
+    SequenceOptions options;
+    options.starts_are_near = is_near;
+    auto next = SequenceEvaluator::make(cloth_model(at), sequences, options).value();
+    ASSERT_EQ(next.evaluate(1.05 * at, residuals[is_near], nullptr), mechanics::PathStatus::ok);
+    iterations[is_near] = next.cost().iterations;
+  }
+  EXPECT_LT((residuals[1] - residuals[0]).norm(), 1e-5 * residuals[0].norm());
+  EXPECT_LT(iterations[1], iterations[0]);
+}
+
 TEST(SequenceFit, SaysWhatDoesNotFit) {
   const model::Model model = cloth_model(true_values());
   Sequence sequence = between_bars("weft", true, {0.006, 0.0, 0.0});

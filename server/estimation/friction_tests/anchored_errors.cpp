@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/estimation/friction_tests/anchored_errors.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -24,7 +25,7 @@ mechanics::PathStatus AnchoredErrors::evaluate(const Eigen::VectorXd& p, Eigen::
     const double size = std::abs(e);
     const double anchor_size = std::abs(reading.anchor);
     const double s = reading.sign;
-    const double way = s * (e - reading.anchor);
+    const double way = std::max(0.0, s * (e - reading.anchor));  // noise may put it before
     const double decay = std::exp(-way / p[kTau]);
     const double anchor_stress = 2.0 * s * (p[kA] + p[kB] * anchor_size);
     const double stress =

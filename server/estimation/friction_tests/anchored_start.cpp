@@ -13,12 +13,6 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-Eigen::VectorXd flat(const FrictionValues& v) {
-  Eigen::VectorXd p(static_cast<Eigen::Index>(kFrictionParameters));
-  p << v.k1, v.k2, v.a, v.b, 0.0, v.tau;
-  return p;
-}
-
 double rms_of(AnchoredErrors& errors, const FrictionValues& values) {
   Eigen::VectorXd residuals;
   if (errors.evaluate(flat(values), residuals, nullptr) != mechanics::PathStatus::ok) return kNone;
@@ -94,19 +88,26 @@ AnchoredStart anchored_start(AnchoredErrors& errors, const model::Model& model,
   return start;
 }
 
-FitResult fit_from(const AnchoredStart& start, const AnchoredErrors& anchored,
-                   ResidualFunction& errors, const model::Model& model, const FitOptions& options) {
+std::vector<FrictionValues> starts_of(const AnchoredStart& start, const AnchoredErrors& anchored) {
+  const double way = longest_way(anchored.readings());
+  std::vector<FrictionValues> starts = {start.stages.back()};
+  for (const double share : {0.01, 0.03, 0.1, 0.3}) {
+    starts.push_back(start.stages.back());
+    starts.back().tau = share * way;
+  }
+  return starts;
+}
+
+FitResult fit_from(const std::vector<FrictionValues>& starts, ResidualFunction& errors,
+                   const model::Model& model, const FitOptions& options) {
   FitOptions rough = options;
   rough.max_iterations = 8;
-  const double way = longest_way(anchored.readings());
   FitResult best;
-  FrictionValues from = start.stages.back();
-  for (const double share : {0.0, 0.01, 0.03, 0.1, 0.3}) {
-    from.tau = share == 0.0 ? start.stages.back().tau : share * way;
+  for (const FrictionValues& from : starts) {
     FitResult found = fit(errors, with_values(model, from), rough);
     if (found.usable && (!best.usable || found.chi2 < best.chi2)) best = std::move(found);
   }
-  if (!best.usable) return fit(errors, with_values(model, start.stages.back()), options);
+  if (!best.usable) return best;
   return fit(errors, with_values(model, values_of(best.parameters)), options);
 }
 

@@ -32,10 +32,12 @@ struct AnchoredStart {
 AnchoredStart anchored_start(AnchoredErrors& errors, const model::Model& model,
                              const FrictionValues* stiffness);
 
-/// A fit of the path's own errors from there. Where tau is small beside the distance of the
-/// readings, their noise may put the papers' tau so low that nothing moves with it any more; so
-/// the fit starts from several values of tau, and the best of what they lead to counts.
-FitResult fit_from(const AnchoredStart& start, const AnchoredErrors& anchored,
-                   ResidualFunction& errors, const model::Model& model, const FitOptions& options);
+/// The last stage, and the same with several values of tau: where tau is small beside the distance
+/// of the readings, their noise may put the papers' tau so low that nothing moves with it any more.
+std::vector<FrictionValues> starts_of(const AnchoredStart& start, const AnchoredErrors& anchored);
+
+/// A fit of the path's own errors: a few steps from each start, then the whole from the best.
+FitResult fit_from(const std::vector<FrictionValues>& starts, ResidualFunction& errors,
+                   const model::Model& model, const FitOptions& options);
 
 }  // namespace tenter::estimation

@@ -35,7 +35,7 @@ struct FrictionEstimate {
   AnchoredStart start;  ///< the papers' stages and their estimate
   std::vector<Profile> profiles;
   std::vector<FrictionNumber> numbers;
-  double noise = 0.0;        ///< standard deviation of a reading (m; bending: of a strain, 1/m)
+  double noise = 0.0;        ///< standard deviation of a length; bending: of a point across (m)
   double gains_below = 0.0;  ///< strain below which a step may gain work (friction_model.h)
   int snapped = 0;           ///< steps in which the stress fell on the way to the next rest
 };

@@ -44,6 +44,12 @@ FrictionValues values_of(const Eigen::VectorXd& p) {
   return {p[kK1], p[kK2], p[kA], p[kB], p[kTau]};
 }
 
+Eigen::VectorXd flat(const FrictionValues& v) {
+  Eigen::VectorXd p(static_cast<Eigen::Index>(kFrictionParameters));
+  p << v.k1, v.k2, v.a, v.b, 0.0, v.tau;
+  return p;
+}
+
 double gains_below(const FrictionValues& v) {
   const double missing = v.b * v.tau - 2.0 * v.a;
   if (missing <= 0.0) return 0.0;

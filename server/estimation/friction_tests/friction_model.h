@@ -38,6 +38,9 @@ model::Model friction_model(std::string_view strain_measure);
 model::Model with_values(model::Model model, const FrictionValues& values);
 FrictionValues values_of(const Eigen::VectorXd& parameters);
 
+/// In flat order.
+Eigen::VectorXd flat(const FrictionValues& values);
+
 /// The strain below which a step may gain work; zero where it never does, and negative never.
 double gains_below(const FrictionValues& values);
 

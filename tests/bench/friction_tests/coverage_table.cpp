@@ -27,7 +27,7 @@ CoverageTable::CoverageTable(const twin::FrictionSample& sample) : name_(sample.
 void CoverageTable::add(const estimation::FrictionEstimate& found) {
   ++seeds_;
   chi2_per_row_ += found.fit.chi2 / static_cast<double>(found.fit.residuals.size());
-  const auto p = estimation::values_of(found.start.papers.parameters);
+  const auto p = found.start.stages.back();
   const std::array<double, 5> papers = {p.k1, p.k2, p.a, p.b, p.tau};
   for (std::size_t k = 0; k < columns_.size(); ++k) {
     Column& column = columns_[k];

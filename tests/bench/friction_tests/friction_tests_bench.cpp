@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tenter-bench-friction-tests [seeds] [profiles 0|1]: tables 5.1 and 5.2 of the thesis from twins,
-// by the papers' protocol and a length noise of 0.1 mm, and in how many seeds 95 % intervals hold
-// the truth (right ones: in 179 to 198 of 200).
+// tenter-bench-friction-tests [seeds] [profiles 0|1] [which: all|stretch|bending|creeping]:
+// tables 5.1 and 5.2 of the thesis from twins, by the papers' protocol and a length noise of 0.1
+// mm, and in how many seeds 95 % intervals hold the truth (right ones: in 179 to 198 of 200).
 #include <cstdio>
 #include <cstdlib>
 
+#include <string>
+
+#include "tests/bench/friction_tests/bending_case.h"
 #include "tests/bench/friction_tests/hanging_case.h"
 
 using namespace tenter;
@@ -12,8 +15,22 @@ using namespace tenter;
 int main(int count, char** arguments) {
   const int seeds = count > 1 ? std::atoi(arguments[1]) : 200;
   const bool profiles = count <= 2 || std::atoi(arguments[2]) != 0;
-  std::printf("Table 5.1, hanging weights: 0 to 6 N in steps of 1 N, three repeats\n");
-  for (const twin::FrictionSample& sample : twin::stretch_samples())
-    bench::hanging_coverage(sample, seeds, profiles).print();
+  const std::string which = count > 3 ? arguments[3] : "all";
+  const auto wanted = [&](const char* name) { return which == "all" || which == name; };
+  if (wanted("stretch")) {
+    std::printf("Table 5.1, hanging weights: 0 to 6 N in steps of 1 N, three repeats\n");
+    for (const twin::FrictionSample& sample : twin::stretch_samples())
+      bench::hanging_coverage(sample, seeds, profiles).print();
+  }
+  if (wanted("bending")) {
+    std::printf("\nTable 5.2, spirals of twelve radii and cantilevers, three repeats\n");
+    for (const twin::FrictionSample& sample : twin::bending_samples())
+      bench::bending_coverage({sample, twin::Unrolling::one_way}, seeds, profiles).print();
+  }
+  if (wanted("creeping")) {
+    std::printf("\nThe same with strips that were let go: their ways go to and fro\n");
+    for (const twin::FrictionSample& sample : twin::bending_samples())
+      bench::bending_coverage({sample, twin::Unrolling::creeping}, seeds, profiles).print();
+  }
   return 0;
 }

@@ -34,16 +34,18 @@ Expected<FrictionEstimate> fit_hanging_weights(const WeightTable& table, std::st
   AnchoredErrors anchored(anchored_readings(*checked), 1.0);
   estimate.start = anchored_start(anchored, model, nullptr);
 
+  const std::vector<FrictionValues> starts = starts_of(estimate.start, anchored);
   const bool noise_is_given = checked->length_noise_m > 0.0;
   if (!noise_is_given) checked->length_noise_m = 1e-4;
   const auto fitted = [&] {
     LengthErrors errors(*point, *checked);
-    FitResult found = fit_from(estimate.start, anchored, errors, model, options.fit);
+    FitResult found = fit_from(starts, errors, model, options.fit);
     estimate.snapped = errors.snapped();
     return found;
   };
   estimate.fit = fitted();
-  if (!estimate.fit.usable) return bad_input("hanging weights: " + estimate.fit.message);
+  if (!estimate.fit.usable)
+    return bad_input("hanging weights: no start of the fit finds the cloth at rest");
   if (!noise_is_given) {
     checked->length_noise_m =
         std::max(noise_of(estimate.fit, checked->length_noise_m), 1e-9 * checked->rest_length_m);

@@ -37,8 +37,10 @@ struct StagedOptions {
   bool repeat = true;   ///< shear and bending once more
   bool coupled = true;  ///< and all together
   /// In the stages before the coupled one, where there is one: frames of a sequence (0: all), and
-  /// the least relative fall of the cost (the thesis ends at 1 % of the residual: 0.02).
-  int early_frames = 10;
+  /// the least relative fall of the cost (the thesis ends at 1 % of the residual: 0.02). Curves get
+  /// their ranges from these frames: too few may miss the largest strains, and the coupled stage
+  /// then fits to them a curve that ended before.
+  int early_frames = 20;
   double early_tolerance = 1e-2;
   std::vector<std::vector<std::string>> ties;  ///< groups of terms that share a curve
   /// Called with all that was done so far, whenever stages have ended. Such a result (of the same

@@ -4,7 +4,7 @@
 //
 //   tenter-bench-appendix-a [--nodes=25] [--frames=20] [--threads=2] [--fabrics=4,12,14,18]
 //                           [--cord=0.1] [--json=FILE] [--html=FILE]
-//                           [--curves=hermite_stiffness] [--points=5]
+//                           [--curves=hermite_stiffness] [--points=5] [--early=10]
 //
 // Entries as in the thesis: N for stretch (all clips), N along the clips for shear, mm over free
 // points for bending; held out: N and mm. Rows are fitted at the same time, one thread each.
@@ -111,6 +111,8 @@ int main(int argc, char** argv) {
   rig.cord_loop_N = std::stod(bench::argument(argc, argv, "cord", "0"));
   const int threads = std::stoi(bench::argument(argc, argv, "threads", "2"));
   const int points = std::stoi(bench::argument(argc, argv, "points", "5"));
+  // half of 20: every branch of the loops and its end are still seen
+  const int early_frames = std::stoi(bench::argument(argc, argv, "early", "10"));
   const std::string curves = bench::argument(argc, argv, "curves", "");
   const std::string page_file = bench::argument(argc, argv, "html", "");
   bench::AppendixPage page;
@@ -137,6 +139,7 @@ int main(int argc, char** argv) {
         estimation::StagedOptions options;
         options.stage.threads = 1;
         options.stage.most_points = points;
+        options.early_frames = early_frames;
         cells[k].row.variant = variants[k];
         auto row = estimation::appendix_row(variants[k], training, others, options);
         if (row)

@@ -2,7 +2,7 @@
 // The staged fit of one twin fabric (thesis 3.4.2): time, what each stage did, memory.
 //
 //   tenter-bench-staged [--fabric=18] [--nodes=25] [--frames=40] [--threads=2] [--coupled=1]
-//                       [--early=10] [--model=cloth_springs_spline] [--law=hermite_stiffness]
+//                       [--early=20] [--model=cloth_springs_spline] [--law=hermite_stiffness]
 //                       [--points=5] [--verbose=1]
 #include <chrono>
 #include <cstdio>
@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
   options.stage.threads = number("threads", "2");
   options.coupled = number("coupled", "1") != 0;
   options.stage.most_points = number("points", "5");
-  options.early_frames = number("early", "10");
+  options.early_frames = number("early", "20");
   const std::string form = bench::argument(argc, argv, "model", "cloth_stvk_spline");
   before = Clock::now();
   const double cpu_before = bench::cpu_seconds();

@@ -17,6 +17,7 @@
 #include "server/jobs/sheet_fit/document/sheet_residuals.h"
 #include "server/jobs/sheet_fit/progress/live_progress.h"
 #include "server/jobs/sheet_fit/progress/stage_checkpoint.h"
+#include "server/jobs/sheet_fit/requests/requests.h"
 
 namespace tenter::jobs {
 namespace {
@@ -28,6 +29,7 @@ using estimation::StageTask;
 using nlohmann::json;
 
 constexpr double kTolerance_N = 1e-7;
+constexpr double kCompared = 0.93;  // share of the job that is done then
 
 std::vector<RoleSequence> fitted_sequences(const std::vector<SheetInput>& inputs) {
   std::vector<RoleSequence> measured;
@@ -210,12 +212,20 @@ Expected<void> run_sheet_fit(const JobInput& input, const json& spec,
   auto before = predictions(comparable(found.start), found.inputs, threads, stop);
   if (!before) return tl::unexpected(before.error());
   found.before = std::move(*before);
-  report({"compare", "fitted model", 0, 0.0, 0.93});
-  auto after = predictions(fit->model, found.inputs, threads, stop);
-  if (!after) return tl::unexpected(after.error());
-  found.after = std::move(*after);
+  const auto predict_again = [&](const model::Model& model) -> Expected<void> {
+    report({"compare", "fitted model", 0, 0.0, kCompared});
+    auto after = predictions(model, found.inputs, threads, stop);
+    if (!after) return tl::unexpected(after.error());
+    found.after = std::move(*after);
+    return {};
+  };
+  if (auto ok = predict_again(fit->model); !ok) return ok;
+  add_reached_strains(found, fit->model);
+  const RequestWork work{threads, kTolerance_N, kCompared, report, stop};
+  if (auto ok = fulfil_requests(fit->model, found, work, predict_again); !ok) return ok;
   report({"intervals", "", 0, 0.0, 0.96});
-  found.optimum = optimum(fit->model, found, threads, kTolerance_N);
+  found.optimum = found.requested.optimum ? *found.requested.optimum
+                                          : optimum(fit->model, found, threads, kTolerance_N);
   if (found.options.profiles) {
     auto profiles = sheet_profiles(fit->model, found, {threads, kTolerance_N}, report, stop);
     if (!profiles) return tl::unexpected(profiles.error());

@@ -5,7 +5,8 @@
 //   if (evaluator.evaluate(p, r, nullptr) == PathStatus::ok)
 //     auto says = meaningful_rows(evaluator);
 //
-// Forces always count, and so do frames of too few points to tell a fold. A function of the last
+// Forces always count, and so do frames of too few points to tell a fold, and those whose folds are
+// lower than three standard deviations of a coordinate. A function of the last
 // evaluation; costs the folds of each frame (fold_comparison.h). Pure.
 #pragma once
 

@@ -56,6 +56,7 @@ Expected<StagedResult> fit_at_once(const model::Model& start, std::vector<RoleSe
   if (!record) return tl::unexpected(record.error());
   result.stopped = record->stopped;
   result.stages.push_back(std::move(*record));
+  if (!result.stopped && options.on_stages_done) options.on_stages_done(result);
   return result;
 }
 
@@ -152,10 +153,11 @@ Expected<StagedResult> run_stages(const JobInput& input, SheetFindings& found, i
                                          : std::vector<std::vector<StageTask>>{};
   std::size_t planned = 1;
   for (const auto& wave : plan) planned += wave.size();
-  const auto before = found.options.staged ? checkpoint.load() : std::nullopt;
+  const auto before = checkpoint.load();
   live.begin(planned, before ? before->stages.size() : 0);
   if (before) options.resume = &*before;
   auto fit = found.options.staged ? estimation::staged_fit(found.start, measured, options)
+             : before             ? Expected<StagedResult>(*before)
                                   : fit_at_once(found.start, measured, options);
   if (!fit) return tl::unexpected(fit.error());
   if (fit->stopped || stop.stop_requested())
@@ -221,7 +223,8 @@ Expected<void> run_sheet_fit(const JobInput& input, const json& spec,
   };
   if (auto ok = predict_again(fit->model); !ok) return ok;
   add_reached_strains(found, fit->model);
-  const RequestWork work{threads, kTolerance_N, kCompared, report, stop};
+  const StartCheckpoint starts(input.checkpoints, input.spec_json);
+  const RequestWork work{threads, kTolerance_N, kCompared, report, stop, starts};
   if (auto ok = fulfil_requests(fit->model, found, work, predict_again); !ok) return ok;
   report({"intervals", "", 0, 0.0, 0.96});
   found.optimum = found.requested.optimum ? *found.requested.optimum

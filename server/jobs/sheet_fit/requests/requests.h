@@ -11,6 +11,7 @@
 #include <stop_token>
 
 #include "server/jobs/results/run_job.h"
+#include "server/jobs/sheet_fit/progress/stage_checkpoint.h"
 #include "server/jobs/sheet_fit/requests/found.h"
 #include "server/jobs/sheet_fit/sheet_findings.h"
 
@@ -22,6 +23,7 @@ struct RequestWork {
   double fraction = 0.0;  ///< of the whole job that is done
   const std::function<void(const JobProgress&)>& report;
   const std::stop_token& stop;
+  const StartCheckpoint& starts;  ///< those that ended in an earlier attempt
 };
 
 /// `predict_again` makes found.after of a model. Errors as its and as those of the requests.

@@ -156,6 +156,7 @@ Expected<bool> fit_replaced(const SheetFindings& found, const RequestWork& work,
   auto evaluator = evaluator_of(convex, found, work);
   if (!evaluator) return tl::unexpected(evaluator.error());
   estimation::FitOptions options;
+  options.method = estimation::FitMethod::bounded_marquardt;
   options.tolerance = 1e-4;
   options.max_iterations = 40;
   options.loss = found.options.loss;

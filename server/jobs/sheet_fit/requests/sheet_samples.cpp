@@ -83,6 +83,7 @@ Expected<SampledModel> sheet_samples(model::Model& model, const SheetFindings& f
   }
   result.found.samples = samples_over(fitted);
   estimation::SampleOptions options;
+  options.fit.method = estimation::FitMethod::bounded_marquardt;
   options.fit.max_iterations = 20;
   options.fit.tolerance = 1e-4;
   options.fit.on_iteration = [&](int iteration, double cost) {

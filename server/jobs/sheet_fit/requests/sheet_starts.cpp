@@ -17,6 +17,7 @@ using estimation::StartOutcome;
 
 FitOptions fit_options(const SheetFindings& found, const RequestWork& work) {
   FitOptions options;
+  options.method = estimation::FitMethod::bounded_marquardt;
   options.max_iterations = 30;  // as a stage's fits
   options.tolerance = 1e-3;
   options.loss = found.options.loss;
@@ -70,11 +71,15 @@ Expected<StartsFound> sheet_starts(model::Model& model, const SheetFindings& fou
   options.fit = fit_options(found, work);
   options.tolerance_N = work.tolerance_N;
   // as many at a time as there are threads, to tell how many are done
-  for (std::size_t first = 0; first < starts.size();) {
+  const auto tell = [&](std::size_t done) {
+    work.report({"starts", std::to_string(done) + " of " + std::to_string(starts.size()), 0, 0.0,
+                 work.fraction});
+  };
+  result.outcomes = work.starts.load();
+  for (std::size_t first = result.outcomes.size(); first < starts.size();) {
     const std::size_t end =
         std::min(starts.size(), first + static_cast<std::size_t>(std::max(1, work.threads)));
-    work.report({"starts", std::to_string(first) + " of " + std::to_string(starts.size()), 0, 0.0,
-                 work.fraction});
+    tell(first);
     const std::vector<Eigen::VectorXd> some(starts.begin() + static_cast<std::ptrdiff_t>(first),
                                             starts.begin() + static_cast<std::ptrdiff_t>(end));
     auto outcomes = estimation::multi_start(model, ties, sequences, some, options);
@@ -84,8 +89,11 @@ Expected<StartsFound> sheet_starts(model::Model& model, const SheetFindings& fou
       outcome.start += static_cast<int>(first);
       result.outcomes.push_back(std::move(outcome));
     }
+    work.starts.save(result.outcomes);
     first = end;
   }
+  tell(starts.size());
+  if (work.stop.stop_requested()) return fail(ErrorKind::cancelled, "the fit was stopped");
   std::sort(result.outcomes.begin(), result.outcomes.end(),
             [](const StartOutcome& a, const StartOutcome& b) {
               return a.cost != b.cost ? a.cost < b.cost : a.start < b.start;

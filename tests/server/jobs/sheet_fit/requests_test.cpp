@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -79,12 +80,15 @@ class Requests : public ::testing::Test {
     fs::create_directories(input.staging);
     const auto done = run_job(input, [](const JobProgress&) {}, {});
     EXPECT_TRUE(done) << done.error().message;
-    std::ostringstream text;
-    text << std::ifstream(input.staging / "result.json", std::ios::binary).rdbuf();
-    bytes_ = text.str();
+    bytes_ = text_of(input.staging / "result.json");
     return json::parse(bytes_);
   }
 
+  static std::string text_of(const fs::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();
+    return text.str();
+  }
   static std::string id_of(int index) {
     return std::string(63, 'a') + static_cast<char>('0' + index);
   }
@@ -118,8 +122,28 @@ TEST_F(Requests, RandomStartsSayHowManyReachTheBestBasin) {
               0.01 * starts["cost_of_fit"].get<double>());
   EXPECT_GT(starts["cost_of_fit"].get<double>(), 1.0);
   const std::string first = bytes_;
-  run(spec);
-  EXPECT_EQ(bytes_, first);
+  // stopped when some starts had ended: the next attempt goes on with the others
+  std::stop_source stop;
+  JobInput input{spec.dump(), captures_, folder_ / "stopped", folder_ / "kept"};
+  fs::create_directories(input.staging);
+  const auto stopped = run_job(
+      input,
+      [&](const JobProgress& p) {
+        if (p.stage == "starts" && !p.detail.starts_with("0 of")) stop.request_stop();
+      },
+      stop.get_token());
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().kind, ErrorKind::cancelled);
+  ASSERT_TRUE(fs::exists(folder_ / "kept/stages.json"));
+  ASSERT_TRUE(fs::exists(folder_ / "kept/starts.json"));
+  std::vector<std::string> told;
+  ASSERT_TRUE(
+      run_job(input, [&](const JobProgress& p) { told.push_back(p.stage + " " + p.detail); }, {}));
+  for (const std::string& words : told) {
+    EXPECT_NE(words, "starts 0 of 4");
+    EXPECT_FALSE(words.starts_with("all frame")) << words;  // the one stage is done
+  }
+  EXPECT_EQ(text_of(input.staging / "result.json"), first);
   spec["options"]["seed"] = 8;
   EXPECT_NE(run(spec)["starts"]["outcomes"], starts["outcomes"]);
 }

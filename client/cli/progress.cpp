@@ -35,9 +35,45 @@ std::string cut(const std::string& text, int width) {
   return out;
 }
 
+/// A job's line with or without the detail of its stage.
+std::string whole_line(const client::JobUpdate& update, int width, bool with_detail);
+
+bool has_room(const client::JobUpdate& update, int width) {
+  return static_cast<int>(report::columns(whole_line(update, 1000000, true))) <= width;
+}
+
 }  // namespace
 
 std::string job_line(const client::JobUpdate& update, int width) {
+  return whole_line(update, width, has_room(update, width));
+}
+
+std::vector<std::string> detail_lines(const client::JobUpdate& update, int width) {
+  std::vector<std::string> lines;
+  if (update.state != client::JobState::running || update.detail.empty() || has_room(update, width))
+    return lines;
+  const std::string detail = report::printable(update.detail);
+  std::string line = "   ";
+  const auto end_line = [&] {
+    if (lines.size() < kDetailLines) lines.push_back(cut(line, width));
+    line = "   ";
+  };
+  for (std::size_t from = 0; from < detail.size();) {
+    const std::size_t sign = detail.find_first_of(",;", from);
+    const std::size_t to = sign == std::string::npos ? detail.size() : sign + 1;
+    const std::string part = detail.substr(from, to - from);
+    const bool is_first = line.size() == 3;
+    if (!is_first && static_cast<int>(report::columns(line + part)) > width) end_line();
+    line += part.front() == ' ' ? part : " " + part;
+    from = to;
+  }
+  end_line();
+  return lines;
+}
+
+namespace {
+
+std::string whole_line(const client::JobUpdate& update, int width, bool with_detail) {
   std::string head =
       "job " + update.job_id + "  " + std::string(client::job_state_name(update.state));
   if (update.link == client::Link::lost) head += "  (server silent, waiting)";
@@ -46,8 +82,8 @@ std::string job_line(const client::JobUpdate& update, int width) {
                width);
 
   if (update.attempt > 1) head += "  attempt " + std::to_string(update.attempt);
-  std::string stage =
-      report::printable(update.stage + (update.detail.empty() ? "" : " " + update.detail));
+  std::string stage = report::printable(
+      update.stage + (with_detail && !update.detail.empty() ? " " + update.detail : ""));
   std::string solver;
   if (update.iteration > 0) {
     char numbers[80];
@@ -71,10 +107,11 @@ std::string job_line(const client::JobUpdate& update, int width) {
     return all;
   };
   // on a narrow terminal what moves least goes first
-  if (static_cast<int>(report::columns(line())) > width) stage = report::printable(update.stage);
   if (static_cast<int>(report::columns(line())) > width) solver.clear();
   return cut(line(), width);
 }
+
+}  // namespace
 
 ProgressDisplay::ProgressDisplay(std::ostream& out, bool terminal, int width)
     : out_(out), terminal_(terminal), width_(width) {}
@@ -88,7 +125,9 @@ void ProgressDisplay::show(const client::JobUpdate& update, Clock::time_point no
   const std::string milestone = std::string(client::job_state_name(update.state)) + "/" +
                                 std::to_string(update.attempt) + "/" + update.stage +
                                 (update.link == client::Link::lost ? "/lost" : "");
-  draw(job_line(update, terminal_ ? width_ - 1 : 400), milestone, now);
+  const int width = terminal_ ? width_ - 1 : 600;
+  draw(job_line(update, width),
+       terminal_ ? detail_lines(update, width) : std::vector<std::string>{}, milestone, now);
 }
 
 void ProgressDisplay::show_transfer(const std::string& what,
@@ -118,27 +157,37 @@ void ProgressDisplay::show_transfer(const std::string& what,
     line = what + "  " + bytes_words(total) + " stored; the server reads them";
     if (terminal_) milestone += "/stored";
   }
-  draw(cut(line, terminal_ ? width_ - 1 : 400), milestone, now);
+  draw(cut(line, terminal_ ? width_ - 1 : 400), {}, milestone, now);
 }
 
-void ProgressDisplay::draw(const std::string& line, const std::string& milestone,
-                           Clock::time_point now) {
+std::string ProgressDisplay::clearing() const {
+  return below_ > 0 ? "\r\x1b[J" : "\r\x1b[K";
+}
+
+void ProgressDisplay::draw(const std::string& line, const std::vector<std::string>& below,
+                           const std::string& milestone, Clock::time_point now) {
   const bool news = milestone != last_milestone_;
   if (!news && now - last_ < (terminal_ ? Clock::duration(kRedraw) : Clock::duration(kLineEvery)))
     return;
   last_ = now;
   last_milestone_ = milestone;
   if (terminal_) {
-    out_ << "\r\x1b[K" << line << std::flush;
+    out_ << clearing() << line;
+    // the cursor goes back up, so that the next drawing begins where this one did
+    for (const std::string& next : below) out_ << "\n\r" << next;
+    if (!below.empty()) out_ << "\x1b[" << below.size() << 'A';
+    out_ << std::flush;
     drawn_ = true;
+    below_ = below.size();
   } else {
     out_ << line << '\n' << std::flush;
   }
 }
 
 void ProgressDisplay::finish() {
-  if (drawn_) out_ << "\r\x1b[K" << std::flush;
+  if (drawn_) out_ << clearing() << std::flush;
   drawn_ = false;
+  below_ = 0;
 }
 
 }  // namespace tenter::cli

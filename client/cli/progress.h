@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows how long work goes: one line drawn over and over on a terminal, single lines now and then
-// elsewhere.
+// Shows how long work goes: a line drawn over and over on a terminal, with what the worker tells of
+// itself below it; single lines now and then elsewhere.
 //
 //   ProgressDisplay display(std::cerr, isatty(2), terminal_width(2));
 //   client.watch(job, [&](const client::JobUpdate& u) { display.show(u); });
@@ -12,6 +12,7 @@
 #include <chrono>
 #include <ostream>
 #include <string>
+#include <vector>
 
 #include "client/api/client.h"
 
@@ -34,12 +35,16 @@ class ProgressDisplay {
   void finish();
 
  private:
-  void draw(const std::string& line, const std::string& milestone, Clock::time_point now);
+  void draw(const std::string& line, const std::vector<std::string>& below,
+            const std::string& milestone, Clock::time_point now);
+  /// Clears what was drawn.
+  std::string clearing() const;
 
   std::ostream& out_;
   bool terminal_;
   int width_;
   bool drawn_ = false;
+  std::size_t below_ = 0;  ///< lines that were drawn below the first
   Clock::time_point last_{};
   std::string last_milestone_;
   Clock::time_point transfer_start_{};
@@ -50,5 +55,10 @@ class ProgressDisplay {
 /// What a line about a job says: "job 17  running  screen internal_friction  iteration 12  cost
 /// 0.0123  [####----] 45 %  12 s, about 14 s left"; what does not fit into `width` is cut.
 std::string job_line(const client::JobUpdate& update, int width);
+
+/// The detail of the stage, broken between its values, where job_line() has no room for it; at most
+/// kDetailLines.
+inline constexpr std::size_t kDetailLines = 5;
+std::vector<std::string> detail_lines(const client::JobUpdate& update, int width);
 
 }  // namespace tenter::cli

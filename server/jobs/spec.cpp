@@ -6,6 +6,7 @@
 #include <set>
 
 #include "common/base/sha256.h"
+#include "server/jobs/fit_requests.h"
 
 namespace tenter::jobs {
 namespace {
@@ -139,6 +140,8 @@ Expected<JobSpec> parse_spec(std::string_view json_text,
   if (options != document->end() && !options->is_object()) {
     return bad_input("job specification: \"options\" must be an object");
   }
+  if (*kind == "fit" && options != document->end())
+    if (auto ok = check_fit_requests(*model, *options); !ok) return tl::unexpected(ok.error());
 
   JobSpec spec;
   try {  // dump throws on text that is not UTF-8

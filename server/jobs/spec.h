@@ -30,7 +30,8 @@ struct JobSpec {
 inline constexpr std::size_t kMaxSpecBytes = 1u << 20;
 inline constexpr std::size_t kMaxSpecCaptures = 256;
 
-/// Checks the form; messages name the key. `check_model` and `check_scene`, when given, get the
+/// Checks the form, and that what is asked of a fit goes together (fit_requests.h); messages name
+/// the key. `check_model` and `check_scene`, when given, get the
 /// text of "model" and "scene". Whether the captures exist is the queue's question.
 Expected<JobSpec> parse_spec(
     std::string_view json_text,

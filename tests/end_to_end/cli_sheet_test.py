@@ -30,18 +30,19 @@ class Sheets(CommandTest):
     def test_a_person_fits_reads_and_asks(self):
         files = self.captures(7, 4)
         done = self.run_command(*self.fit_arguments(files, "--model", "cloth_stvk", "--resolution", "7", "--held-out",
-                                                    "shear.h5", "--report", "fit.html", "--save-model", "fitted.json",
+                                                    "shear.h5", "--starts", "2", "--seed", "5", "--report", "fit.html", "--save-model", "fitted.json",
                                                     "-o", "result.json"))
-        for words in ("The fit misses", "[HELD OUT]", "[SYNTHETIC]", "stretch u", "coupled", "model written to"):
+        for words in ("The fit misses", "[HELD OUT]", "[SYNTHETIC]", "in the best basin", "stretch u", "coupled", "model written to"):
             self.assertIn(words, done.stdout)
         self.assertRegex(done.stderr, "running  (stretch|bend|coupled)")
         result = json.loads((self.work / "result.json").read_text())
         values = {p["name"]: p["value"] for p in result["parameters"]}
         self.assertAlmostEqual(values["weft.k"], 45.0, delta=2.0)
         self.assertAlmostEqual(values["warp.k"], 80.0, delta=4.0)
+        self.assertEqual([result["starts"][key] for key in ("count", "seed")], [2, 5])
         self.assertEqual([c["held_out"] for c in result["captures"]], [False, False, True, False, False])
         page = (self.work / "fit.html").read_text()
-        for part in ('id="curves"', 'id="sheets"', 'svg class="mesh"', ">HELD OUT</span>"):
+        for part in ('id="curves"', 'id="sheets"', 'id="starts"', 'svg class="mesh"', ">HELD OUT</span>"):
             self.assertIn(part, page)
         self.assertEqual(json.loads((self.work / "fitted.json").read_text())["schema"], "tenter.model")
         self.assertIn("The fit misses", self.run_command("report", "last").stdout)
@@ -61,7 +62,8 @@ class Sheets(CommandTest):
         self.assertGreater(forces[0]["rows"][-1]["displacement_m"], 0.002)
         # the same again is answered from the store
         self.assertTrue(self.json(*self.fit_arguments(files, "--model", "cloth_stvk", "--resolution", "7",
-                                                      "--held-out", "shear.h5", "--detach"))["from_store"])
+                                                      "--held-out", "shear.h5", "--starts", "2", "--seed", "5",
+                                                      "--detach"))["from_store"])
 
     def test_mistakes_are_told_in_one_sentence(self):
         files = self.captures(5, 2, ("stretch_u", "stretch_v"))
@@ -69,6 +71,11 @@ class Sheets(CommandTest):
                                   (("--set", "resolutoin=9"), 7, "options.resolutoin: no such option"),
                                   (("--leave-out", "runs"), 7, "options.leave_out: no such option")):
             self.assertIn(words, self.json(*self.fit_arguments(files, *more), code=code)["error"]["message"])
+        # told before a worker starts
+        for more, words in ((("--samples", "2"), "options.samples: needs a capture that is held out"),
+                            (("--limits",), "options.limits: the model has 0 energy limits"),
+                            (("--convex", "every_step", "--profiles"), "and options.profiles do not go together")):
+            self.assertIn(words, self.json(*self.fit_arguments(files, *more), code=2)["error"]["message"])
         error = self.json("fit", *files, code=7)["error"]["message"]
         self.assertIn("options.roles: capture", error)
         self.assertIn("diagnose does not take them", self.json("diagnose", *files, code=7)["error"]["message"])

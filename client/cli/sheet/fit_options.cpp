@@ -53,6 +53,32 @@ Expected<void> each(const char* option, const std::vector<std::string>& given,
   return {};
 }
 
+/// What is done after the stages where it is asked for. The server says which go together.
+void add_requests(CLI::App& command, SheetFitDraft& draft) {
+  command
+      .add_option(
+          "--starts", draft.starts,
+          "Sheets: fit from so many random starts as well, and say how many end in the best "
+          "basin (the waterfall). --seed chooses them.")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1000));
+  command
+      .add_option("--convex", draft.convex,
+                  "Sheets: an energy that is convex, by projecting every step of a last fit "
+                  "(every_step), the fitted values (afterwards), or by curves that cannot be "
+                  "anything else (by_construction).")
+      ->type_name("WORD")
+      ->check(CLI::IsMember({"every_step", "afterwards", "by_construction"}));
+  command
+      .add_option("--samples", draft.samples,
+                  "Sheets: let stiffness differ over the material, at no more than so many samples "
+                  "of 4 x 4, added until the held-out captures gain nothing more.")
+      ->type_name("N")
+      ->check(CLI::Range(0, 16));
+  command.add_flag("--limits", draft.limits,
+                   "Sheets: fit the largest energy density of the model's limit as well.");
+}
+
 }  // namespace
 
 void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft) {
@@ -119,6 +145,7 @@ void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft) {
   command.add_flag("--profiles", draft.profiles,
                    "Sheets: say of each parameter how well the captures determine it, by refits "
                    "(profile likelihood). Takes longer than the fit.");
+  add_requests(command, draft);
 }
 
 Expected<void> complete_options(const SheetFitDraft& draft, const std::vector<std::string>& names,
@@ -151,6 +178,10 @@ Expected<void> complete_options(const SheetFitDraft& draft, const std::vector<st
   if (!draft.robust.empty()) options["robust"] = draft.robust;
   if (draft.at_once) options["staged"] = false;
   if (draft.profiles) options["profiles"] = true;
+  if (draft.starts >= 0) options["starts"] = draft.starts;
+  if (!draft.convex.empty()) options["convex"] = draft.convex;
+  if (draft.samples >= 0) options["samples"] = draft.samples;
+  if (draft.limits) options["limits"] = true;
   return {};
 }
 

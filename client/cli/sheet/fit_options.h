@@ -32,6 +32,10 @@ struct SheetFitDraft {
   std::string robust;
   bool at_once = false;
   bool profiles = false;
+  int starts = -1;
+  std::string convex;
+  int samples = -1;
+  bool limits = false;
 };
 
 void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft);

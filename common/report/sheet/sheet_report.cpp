@@ -10,6 +10,7 @@
 #include "common/report/sheet/curves.h"
 #include "common/report/sheet/document.h"
 #include "common/report/sheet/mesh_svg.h"
+#include "common/report/sheet/requests/requests.h"
 #include "common/report/sheet/tables.h"
 #include "common/report/text_parts.h"
 #include "common/report/words.h"
@@ -18,11 +19,21 @@ namespace tenter::report::sheet {
 
 namespace {
 
-constexpr PageSection kSections[] = {
-    {"captures", "Captures"},   {"curves", "Curves"},         {"loops", "Loops"},
-    {"residuals", "Residuals"}, {"figures", "Figures"},       {"sheets", "The sheet"},
-    {"stages", "Stages"},       {"parameters", "Parameters"}, {"correlations", "Correlations"},
-    {"model", "Model"},         {"checklist", "Checklist"}};
+constexpr PageSection kSections[] = {{"captures", "Captures"},
+                                     {"curves", "Curves"},
+                                     {"loops", "Loops"},
+                                     {"residuals", "Residuals"},
+                                     {"figures", "Figures"},
+                                     {"sheets", "The sheet"},
+                                     {"stages", "Stages"},
+                                     {"starts", "Starts"},
+                                     {"convexity", "Convexity"},
+                                     {"samples", "Samples"},
+                                     {"limit", "Limit"},
+                                     {"parameters", "Parameters"},
+                                     {"correlations", "Correlations"},
+                                     {"model", "Model"},
+                                     {"checklist", "Checklist"}};
 
 /// "force  12.1 mN -> 3.2 mN  1.1 sigma" cells of a line.
 std::string error_words(const Json& errors, const char* unit) {
@@ -103,11 +114,12 @@ std::string profile_lines(const Json& result) {
 }  // namespace
 
 std::string render_page(const Json& result) {
-  const std::string details = capture_table(result) + curve_section(result) +
-                              figure_sections(result, {"starting model", "fitted model", true}) +
-                              mesh_section(result) + stage_table(result) + parameter_table(result) +
-                              correlation_table(result) + model_table(result) +
-                              checklist_table(result);
+  const std::string details =
+      capture_table(result) + curve_section(result) +
+      figure_sections(result, {"starting model", "fitted model", true}) + mesh_section(result) +
+      stage_table(result) + start_section(result) + convexity_section(result) +
+      sample_section(result) + limit_section(result) + parameter_table(result) +
+      correlation_table(result) + model_table(result) + checklist_table(result);
   std::string body = page_header(result, subject(result), headline(result), kSections, details);
   body += error_cards(result) + details;
   body += "<footer>" + fit_note(result) +
@@ -121,6 +133,7 @@ std::string render_words(const Json& result, const TextStyle& style) {
   std::string out = title_text(headline(result), subject(result), style);
   out += total_line(result, "fitted", "error");
   out += total_line(result, "held_out", "held out");
+  out += request_lines(result);
   return out + capture_lines(result) + stage_lines(result) + profile_lines(result) +
          checklist_text(result, style);
 }

@@ -86,6 +86,10 @@ ConvexFit fit_convex(ResidualFunction& evaluator, const Eigen::VectorXd& start,
     if (evaluator.evaluate(result.parameters, r, &j) != mechanics::PathStatus::ok) return result;
     weigh(evaluator, r, &j);
     result.chi2 = r.squaredNorm();
+    if (options.on_iteration && !options.on_iteration(result.iterations, result.chi2)) {
+      result.status = ConvexFitStatus::stopped;
+      return result;
+    }
     if (before - result.chi2 > options.tolerance * before) continue;
     result.status = ConvexFitStatus::converged;
     return result;

@@ -18,6 +18,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 
 #include "server/estimation/convexity/projection.h"
 #include "server/estimation/residual_function.h"
@@ -30,12 +31,15 @@ struct ConvexFitOptions {
   Metric metric = Metric::data;
   int max_iterations = 80;
   double tolerance = 1e-7;  ///< relative fall of the cost below which the fit has converged
+  /// Called after each step that was kept with its number and cost; returns false to stop.
+  std::function<bool(int, double)> on_iteration = nullptr;
 };
 
 enum class [[nodiscard]] ConvexFitStatus{
     converged, iterations_used,
-    no_start,   ///< no equilibrium at the projected start
-    not_convex  ///< the start could not be projected
+    no_start,    ///< no equilibrium at the projected start
+    not_convex,  ///< the start could not be projected
+    stopped      ///< by on_iteration
 };
 
 struct ConvexFit {

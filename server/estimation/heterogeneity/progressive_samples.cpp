@@ -32,7 +32,7 @@ class Search {
     if (!at) return tl::unexpected(at.error());
     SampledFit result;
     result.homogeneous_training = at->training.sum();
-    result.homogeneous_held_out = at->held_out.sum();
+    const Unseen homogeneous = at->held_out;
     std::vector<int> refused;
     while (static_cast<int>(result.released.size()) < options_.most &&
            static_cast<int>(refused.size()) < options_.tries) {
@@ -52,13 +52,20 @@ class Search {
       at = std::move(next);
     }
     result.training = at->training.sum();
-    result.held_out = at->held_out.sum();
+    const Eigen::VectorXd counts = both_meaningful(homogeneous, at->held_out);
+    result.homogeneous_held_out = counts.dot(homogeneous.squares);
+    result.held_out = counts.dot(at->held_out.squares);
     result.model = at->model;
     result.fit = at->fit;
     return result;
   }
 
  private:
+  /// Rows of the held-out data.
+  struct Unseen {
+    Eigen::VectorXd squares;
+    std::vector<bool> is_meaningful;
+  };
   struct Fitted {
     model::Model model;
     FitResult fit;
@@ -66,7 +73,7 @@ class Search {
     RowMatrix by_all;           ///< rows x all parameters
     Eigen::VectorXd residuals;  ///< the same
     Eigen::VectorXd training;   ///< squares of rows
-    Eigen::VectorXd held_out;
+    Unseen held_out;
   };
 
   Expected<Fitted> fit_with(const std::vector<int>& released, const model::Model& start) {
@@ -90,7 +97,10 @@ class Search {
     Eigen::VectorXd unseen;
     if (held_out_.evaluate(result.fit.parameters, unseen, nullptr) != mechanics::PathStatus::ok)
       return bad_input("the fitted model has no equilibrium on the held-out data");
-    result.held_out = squares(held_out_, unseen);
+    result.held_out.squares = squares(held_out_, unseen);
+    result.held_out.is_meaningful =
+        options_.meaningful ? options_.meaningful(held_out_)
+                            : std::vector<bool>(static_cast<std::size_t>(unseen.size()), true);
     return result;
   }
 
@@ -112,19 +122,36 @@ class Search {
       if (own.empty()) continue;
       const Eigen::MatrixXd columns = without(at.by_all(Eigen::indexing::all, own));
       const double gain = (columns * columns.colPivHouseholderQr().solve(r)).squaredNorm();
-      if (gain > best.gain) best = {k, gain, 0.0, 0.0, 0.0, false};
+      if (gain > best.gain) {
+        best.sample = k;
+        best.gain = gain;
+      }
     }
     return best;
+  }
+
+  /// One for rows that are meaningful in both, else zero.
+  static Eigen::VectorXd both_meaningful(const Unseen& a, const Unseen& b) {
+    Eigen::VectorXd counts = Eigen::VectorXd::Zero(a.squares.size());
+    for (Eigen::Index i = 0; i < counts.size(); ++i) {
+      const auto row = static_cast<std::size_t>(i);
+      counts[i] = a.is_meaningful[row] && b.is_meaningful[row] ? 1.0 : 0.0;
+    }
+    return counts;
   }
 
   // the fall of each row is one draw of what a sample is worth on data not seen
   bool judge(const Fitted& before, const Fitted& after, SampleStep& step) const {
     step.training = after.training.sum();
-    step.held_out = after.held_out.sum();
-    const Eigen::VectorXd fall = before.held_out - after.held_out;
+    const Eigen::VectorXd counts = both_meaningful(before.held_out, after.held_out);
+    step.rows_left_out = static_cast<int>(counts.size() - static_cast<Eigen::Index>(counts.sum()));
+    step.held_out_before = counts.dot(before.held_out.squares);
+    step.held_out = counts.dot(after.held_out.squares);
+    const Eigen::VectorXd fall =
+        counts.cwiseProduct(before.held_out.squares - after.held_out.squares);
     const double scatter = fall.norm();
     step.sigmas = scatter > 0.0 ? fall.sum() / scatter : 0.0;
-    return fall.sum() > options_.least_fall * before.held_out.sum() &&
+    return fall.sum() > options_.least_fall * step.held_out_before &&
            step.sigmas > options_.least_sigmas;
   }
 

@@ -10,6 +10,9 @@
 //   4. keep it where the held-out cost falls by a share that counts and by more than its own
 //      scatter; else put it back, and after `tries` refusals stop
 //
+// Where cloth folds, distances of points may say nothing (thesis 3.6): held-out rows that are not
+// meaningful before or after a sample count neither way.
+//
 // The gradient of the cost by a local change of stiffness says where, the held-out data whether: a
 // homogeneous sheet gets no sample. Cost: a fit a step, and one Jacobian over all samples.
 //
@@ -35,14 +38,19 @@ struct SampleOptions {
   int tries = 2;              ///< refusals in a row, each of the next best sample, that end it
   double least_fall = 0.01;   ///< share of the held-out cost
   double least_sigmas = 2.0;  ///< of the fall over its scatter from row to row
+  /// Which rows of the held-out data say something at its last evaluation, one each
+  /// (sequences/folds/meaningful_rows.h). None: all.
+  std::function<std::vector<bool>(const ResidualFunction&)> meaningful = nullptr;
 };
 
 struct SampleStep {
-  int sample = -1;        ///< from 0
-  double gain = 0.0;      ///< of the training cost, as the score test has it
-  double training = 0.0;  ///< cost after the fit with it
+  int sample = -1;               ///< from 0
+  double gain = 0.0;             ///< of the training cost, as the score test has it
+  double training = 0.0;         ///< cost after the fit with it
+  double held_out_before = 0.0;  ///< both over the rows that are meaningful before and after
   double held_out = 0.0;
-  double sigmas = 0.0;  ///< the fall of the held-out cost over its scatter
+  int rows_left_out = 0;  ///< of the held-out ones, that are not
+  double sigmas = 0.0;    ///< the fall of the held-out cost over its scatter
   bool kept = false;
 };
 
@@ -52,7 +60,7 @@ struct SampledFit {
   std::vector<int> released;
   std::vector<SampleStep> steps;  ///< all that were tried, in order
   double training = 0.0;          ///< costs of `model`
-  double held_out = 0.0;
+  double held_out = 0.0;          ///< over the rows that are meaningful with and without samples
   double homogeneous_training = 0.0;
   double homogeneous_held_out = 0.0;
 };

@@ -17,6 +17,7 @@
 #include "server/jobs/sheet_fit/document/sheet_residuals.h"
 #include "server/jobs/sheet_fit/progress/live_progress.h"
 #include "server/jobs/sheet_fit/progress/stage_checkpoint.h"
+#include "server/jobs/sheet_fit/requests/requests.h"
 
 namespace tenter::jobs {
 namespace {
@@ -28,6 +29,7 @@ using estimation::StageTask;
 using nlohmann::json;
 
 constexpr double kTolerance_N = 1e-7;
+constexpr double kCompared = 0.93;  // share of the job that is done then
 
 std::vector<RoleSequence> fitted_sequences(const std::vector<SheetInput>& inputs) {
   std::vector<RoleSequence> measured;
@@ -54,6 +56,7 @@ Expected<StagedResult> fit_at_once(const model::Model& start, std::vector<RoleSe
   if (!record) return tl::unexpected(record.error());
   result.stopped = record->stopped;
   result.stages.push_back(std::move(*record));
+  if (!result.stopped && options.on_stages_done) options.on_stages_done(result);
   return result;
 }
 
@@ -150,10 +153,11 @@ Expected<StagedResult> run_stages(const JobInput& input, SheetFindings& found, i
                                          : std::vector<std::vector<StageTask>>{};
   std::size_t planned = 1;
   for (const auto& wave : plan) planned += wave.size();
-  const auto before = found.options.staged ? checkpoint.load() : std::nullopt;
+  const auto before = checkpoint.load();
   live.begin(planned, before ? before->stages.size() : 0);
   if (before) options.resume = &*before;
   auto fit = found.options.staged ? estimation::staged_fit(found.start, measured, options)
+             : before             ? Expected<StagedResult>(*before)
                                   : fit_at_once(found.start, measured, options);
   if (!fit) return tl::unexpected(fit.error());
   if (fit->stopped || stop.stop_requested())
@@ -210,12 +214,21 @@ Expected<void> run_sheet_fit(const JobInput& input, const json& spec,
   auto before = predictions(comparable(found.start), found.inputs, threads, stop);
   if (!before) return tl::unexpected(before.error());
   found.before = std::move(*before);
-  report({"compare", "fitted model", 0, 0.0, 0.93});
-  auto after = predictions(fit->model, found.inputs, threads, stop);
-  if (!after) return tl::unexpected(after.error());
-  found.after = std::move(*after);
+  const auto predict_again = [&](const model::Model& model) -> Expected<void> {
+    report({"compare", "fitted model", 0, 0.0, kCompared});
+    auto after = predictions(model, found.inputs, threads, stop);
+    if (!after) return tl::unexpected(after.error());
+    found.after = std::move(*after);
+    return {};
+  };
+  if (auto ok = predict_again(fit->model); !ok) return ok;
+  add_reached_strains(found, fit->model);
+  const StartCheckpoint starts(input.checkpoints, input.spec_json);
+  const RequestWork work{threads, kTolerance_N, kCompared, report, stop, starts};
+  if (auto ok = fulfil_requests(fit->model, found, work, predict_again); !ok) return ok;
   report({"intervals", "", 0, 0.0, 0.96});
-  found.optimum = optimum(fit->model, found, threads, kTolerance_N);
+  found.optimum = found.requested.optimum ? *found.requested.optimum
+                                          : optimum(fit->model, found, threads, kTolerance_N);
   if (found.options.profiles) {
     auto profiles = sheet_profiles(fit->model, found, {threads, kTolerance_N}, report, stop);
     if (!profiles) return tl::unexpected(profiles.error());

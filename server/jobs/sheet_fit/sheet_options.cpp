@@ -27,6 +27,10 @@ constexpr Word<bool> kGrids[] = {{"graded", true}, {"equal", false}};
 constexpr Word<Channels> kChannels[] = {{"thesis", Channels::thesis}, {"all", Channels::all}};
 constexpr Word<Loss> kLosses[] = {
     {"none", Loss::none}, {"huber", Loss::huber}, {"cauchy", Loss::cauchy}};
+constexpr Word<ConvexWay> kConvexWays[] = {{"none", ConvexWay::none},
+                                           {"every_step", ConvexWay::every_step},
+                                           {"afterwards", ConvexWay::afterwards},
+                                           {"by_construction", ConvexWay::by_construction}};
 // of unit variance lost where there are no outliers: 5 %
 constexpr double kHuber = 1.345;
 constexpr double kCauchy = 2.385;
@@ -172,6 +176,12 @@ const char* role_name(Role role) {
   return "";
 }
 
+const char* convex_word(ConvexWay way) {
+  for (const Word<ConvexWay>& word : kConvexWays)
+    if (word.value == way) return word.word;
+  return "";
+}
+
 Expected<SheetFitOptions> read_sheet_options(const json& given,
                                              const std::vector<std::string>& captures) {
   SheetFitOptions options;
@@ -191,9 +201,16 @@ Expected<SheetFitOptions> read_sheet_options(const json& given,
   reader.word("robust", kLosses, options.loss.kind);
   options.loss.scale = options.loss.kind == Loss::cauchy ? kCauchy : kHuber;
   reader.flag("profiles", options.profiles);
+  reader.whole("starts", 0, 1000, options.starts);
+  reader.whole("seed", 0, 1000000000, options.seed);
+  reader.word("convex", kConvexWays, options.convex);
+  reader.whole("samples", 0, 16, options.samples);
+  reader.flag("limits", options.limits);
   reader.positive("sigma_m", options.sigma_m);
   reader.positive("sigma_N", options.sigma_N);
   reader.refuse_others();
+  if (given.is_object() && given.contains("seed") && options.starts == 0)
+    reader.complain("seed", "there are no starts that it would choose");
   if (reader.complaint().empty()) check_roles(options, captures, reader);
   if (!reader.complaint().empty()) return bad_input(reader.complaint());
   return options;
@@ -218,7 +235,12 @@ json options_json(const SheetFitOptions& options) {
               {"held_out", options.held_out},
               {"weights", options.weights},
               {"robust", word(kLosses, options.loss.kind)},
-              {"profiles", options.profiles}};
+              {"profiles", options.profiles},
+              {"starts", options.starts},
+              {"convex", convex_word(options.convex)},
+              {"samples", options.samples},
+              {"limits", options.limits}};
+  if (options.starts > 0) all["seed"] = options.seed;
   if (options.sigma_m > 0.0) all["sigma_m"] = options.sigma_m;
   if (options.sigma_N > 0.0) all["sigma_N"] = options.sigma_N;
   return all;

@@ -5,12 +5,16 @@
 //   "model", "staged": true,
 //    "max_control_points": 5, "channels": "thesis" | "all", "roles": {"<capture>": "stretch_u"},
 //    "held_out": ["<capture>"], "weights": {"<capture>": 2.0}, "robust": "none" | "huber" |
-//    "cauchy", "profiles": true, "sigma_m": 1e-4, "sigma_N": 0.003}
+//    "cauchy", "profiles": true, "sigma_m": 1e-4, "sigma_N": 0.003, "starts": 20, "seed": 1,
+//    "convex": "none" | "every_step" | "afterwards" | "by_construction", "samples": 3,
+//    "limits": true}
 //
 // All may be absent. Models of springs are simulated on equal cells in any case. A staged fit needs
 // a role for every capture that is fitted; "evaluation" is the role of what is held out. "profiles"
 // asks for a word and an interval by profile likelihood for each free parameter, which costs more
-// than the fit. sigma_m and sigma_N stand in for captures that do not say theirs.
+// than the fit. "starts" (how many), "convex", "samples" (at most how many) and "limits" are what
+// is done after the stages on request (requests/); server/jobs/fit_requests.h says which of them go
+// together. sigma_m and sigma_N stand in for captures that do not say theirs.
 #pragma once
 
 #include <map>
@@ -23,6 +27,8 @@
 #include "server/estimation/staged/staged_fit.h"
 
 namespace tenter::jobs {
+
+enum class ConvexWay { none, every_step, afterwards, by_construction };
 
 struct SheetFitOptions {
   int resolution = 25;          ///< nodes on a side of the simulated grid
@@ -37,6 +43,11 @@ struct SheetFitOptions {
   std::map<std::string, double> weights;
   estimation::RobustLoss loss;
   bool profiles = false;
+  int starts = 0;  ///< random ones; 0: not asked for
+  int seed = 1;
+  ConvexWay convex = ConvexWay::none;
+  int samples = 0;  ///< most that get numbers of their own; 0: not asked for
+  bool limits = false;
   double sigma_m = 0.0;
   double sigma_N = 0.0;
 
@@ -46,6 +57,7 @@ struct SheetFitOptions {
 };
 
 const char* role_name(estimation::Role role);
+const char* convex_word(ConvexWay way);
 
 /// bad_input begins with the path of the key: "options.roles.3fa9c1...: ...".
 Expected<SheetFitOptions> read_sheet_options(const nlohmann::json& given,

@@ -36,6 +36,31 @@ TEST(JobLine, SaysStageIterationCostAndTimeLeft) {
   EXPECT_NE(narrow.find("about 30 s left"), std::string::npos) << narrow;
 }
 
+TEST(JobLine, ValuesThatHaveNoRoomStandBelowIt) {
+  JobUpdate update = running("shear", 0.25, 10.0);
+  update.detail =
+      "frame 3 of 12, shear; weft 1446 139 \u2581\u2583\u2588, warp 121.4 96.5, shear 37.99";
+  EXPECT_TRUE(detail_lines(update, 200).empty());
+  EXPECT_NE(job_line(update, 200).find("\u2583"), std::string::npos);
+  EXPECT_EQ(job_line(update, 79).find("weft"), std::string::npos);
+  const auto lines = detail_lines(update, 44);
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0], "    frame 3 of 12, shear; weft 1446 139 \u2581\u2583\u2588,");
+  EXPECT_EQ(lines[1], "    warp 121.4 96.5, shear 37.99");
+  update.detail = "";
+  for (int i = 0; i < 400; ++i) update.detail += "value,";
+  EXPECT_EQ(detail_lines(update, 60).size(), kDetailLines);
+  // drawn again from the same place, and all cleared in the end
+  std::ostringstream out;
+  ProgressDisplay display(out, true, 60);
+  display.show(update);
+  display.finish();
+  const std::string text = out.str();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 5);
+  EXPECT_NE(text.find("\x1b[5A"), std::string::npos);
+  EXPECT_EQ(text.substr(text.size() - 4), "\r\x1b[J");
+}
+
 TEST(JobLine, DoesNotClaimWhatIsNotKnown) {
   JobUpdate update = running("read", -1.0, 0.2);
   update.iteration = -1;

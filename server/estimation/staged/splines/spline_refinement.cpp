@@ -50,9 +50,16 @@ bool is_spline(const model::Law& law) {
 }
 
 Expected<model::Law> with_points(const model::Law& law, int points) {
-  if (!is_spline(law))
-    return fail(ErrorKind::refused, "the law \"" + law.name + "\" is no stiffness spline");
-  model::Law result = sized(law, points, law.parameters.front().value);
+  return nearest_curve(law, law.name, points);
+}
+
+Expected<model::Law> nearest_curve(const model::Law& law, const std::string& name, int points) {
+  model::Law result = law;
+  result.name = name;
+  for (const model::Law* of : {&law, static_cast<const model::Law*>(&result)})
+    if (!is_spline(*of))
+      return fail(ErrorKind::refused, "the law \"" + of->name + "\" is no stiffness spline");
+  result = sized(result, points, law.parameters.front().value);
   const auto before = mechanics::make_law(law, 1);
   const auto after = mechanics::make_law(result, 1);
   if (!before) return tl::unexpected(before.error());

@@ -10,6 +10,8 @@
 // Pure.
 #pragma once
 
+#include <string>
+
 #include "common/base/error.h"
 #include "common/model/model.h"
 
@@ -21,6 +23,10 @@ bool is_spline(const model::Law& law);
 /// refused for a law that is none; bad_input for a number of points that the law cannot have, or a
 /// range that is not chosen yet where it needs one.
 Expected<model::Law> with_points(const model::Law& law, int points);
+
+/// The same for another law of `points` control points over the same range: the curve nearest to
+/// the old one, as convex_spline to a fitted bspline_stiffness. Bounds as the old ones.
+Expected<model::Law> nearest_curve(const model::Law& law, const std::string& name, int points);
 
 /// A curve with one control point: the mean of the old ones. Where the law needs two at least, two.
 model::Law as_constant(const model::Law& law);

@@ -8,17 +8,18 @@
 
 namespace tenter::jobs {
 
-std::vector<estimation::Sequence> compared_sequences(const SheetFindings& found) {
+std::vector<estimation::Sequence> compared_sequences(const SheetFindings& found, FramesStart start,
+                                                     Compared which) {
   std::vector<estimation::Sequence> sequences;
   for (std::size_t i = 0; i < found.inputs.size(); ++i) {
     const SheetInput& input = found.inputs[i];
-    if (input.held_out) continue;
+    if (input.held_out != (which == Compared::held_out)) continue;
     estimation::Sequence sequence =
         estimation::observed({input.role, input.sequence()}, found.options.channels);
     std::vector<int> resting;
     for (std::size_t f = 0; f < sequence.frames.size(); ++f) {
       if (!found.after[i].states[f]) continue;
-      sequence.frames[f].start = found.after[i].states[f];
+      if (start == FramesStart::at_rest) sequence.frames[f].start = found.after[i].states[f];
       resting.push_back(static_cast<int>(f));
     }
     estimation::keep_frames(sequence, resting);

@@ -11,9 +11,16 @@
 
 namespace tenter::jobs {
 
-/// Fitted captures as the stages saw them, without frames that have no rest; every frame starts
-/// from the rest that `found.after` found for it.
-std::vector<estimation::Sequence> compared_sequences(const SheetFindings& found);
+enum class FramesStart {
+  at_rest,     ///< from the rest that `found.after` found
+  as_measured  ///< from where the capture has them
+};
+enum class Compared { fitted, held_out };
+
+/// Captures as the stages saw them, or those that no stage saw, without frames that have no rest.
+std::vector<estimation::Sequence> compared_sequences(const SheetFindings& found,
+                                                     FramesStart start = FramesStart::at_rest,
+                                                     Compared which = Compared::fitted);
 
 /// Not usable, and the message says why, where they cannot be had.
 estimation::FitResult optimum(const model::Model& model, const SheetFindings& found, int threads,

@@ -13,6 +13,7 @@
 #include "server/estimation/uncertainty/caveats.h"
 #include "server/jobs/sheet_fit/document/sheet_figures.h"
 #include "server/jobs/sheet_fit/progress/stage_json.h"
+#include "server/jobs/sheet_fit/requests/requests_json.h"
 
 namespace tenter::jobs {
 namespace {
@@ -202,11 +203,24 @@ json starting_curve(const model::Model& start, const model::CurveTable& curve) {
   return nullptr;
 }
 
+/// Samples that share the background's numbers share its curve, which the first of them tells.
+bool is_told_already(const SheetFindings& found, const model::Term& term) {
+  if (!found.requested.samples || term.support.name != "rbf") return false;
+  const std::vector<int>& released = found.requested.samples->fit.released;
+  const auto is_released = [&](int sample) {
+    return std::find(released.begin(), released.end(), sample) != released.end();
+  };
+  int first = 0;
+  while (is_released(first)) ++first;
+  return !is_released(term.support.sample - 1) && term.support.sample - 1 != first;
+}
+
 json curves_json(const SheetFindings& found) {
   json list = json::array();
   for (const model::CurveTable& curve : model::curves_of(found.fitted, 61).curves) {
     const auto term = std::find_if(found.fitted.terms.begin(), found.fitted.terms.end(),
                                    [&](const model::Term& t) { return t.id == curve.term; });
+    if (is_told_already(found, *term)) continue;
     const json reached =
         curve.reached ? json{curve.reached->first, curve.reached->second} : json(nullptr);
     const json points =
@@ -276,6 +290,7 @@ json checklist_json(const SheetFindings& found) {
     const bool is_wanted = caveat.kind == estimation::CaveatKind::frozen;  // by the document
     list.push_back(check(is_wanted ? "OK" : "WARNING", heading(caveat), caveat.sentence));
   }
+  put_request_checks(found, list);
   const json fitted = total_json(found, false);
   for (const char* kind : {"force", "position"}) {
     if (fitted.is_null() || fitted[kind].is_null()) continue;
@@ -301,27 +316,29 @@ json sheet_document(const SheetFindings& found) {
     iterations += found.stages[s].iterations;
     all_done &= found.stages[s].done;
   }
-  return {{"schema", "tenter.sheet_fit"},
-          {"version", 1},
-          {"kind", "fit"},
-          {"options", options_json(found.options)},
-          {"starting_model", json::parse(model::write_model(found.start))},
-          {"model", json::parse(model::write_model(found.fitted))},
-          {"captures", captures},
-          {"fitted", total_json(found, false)},
-          {"held_out", total_json(found, true)},
-          {"stages", stages},
-          {"parameters", parameters_json(found)},
-          {"correlations", correlations_json(found)},
-          {"curves", curves_json(found)},
-          {"figures", sheet_figures(found)},
-          {"meshes", sheet_meshes(found)},
-          {"checklist", checklist_json(found)},
-          {"fit",
-           {{"cost", number(found.stages.empty() ? NAN : found.stages.back().cost_after)},
-            {"iterations", iterations},
-            {"status", all_done ? "every stage done" : "not every stage done"},
-            {"message", found.stages.empty() ? "" : found.stages.back().message}}}};
+  json document = {{"schema", "tenter.sheet_fit"},
+                   {"version", 1},
+                   {"kind", "fit"},
+                   {"options", options_json(found.options)},
+                   {"starting_model", json::parse(model::write_model(found.start))},
+                   {"model", json::parse(model::write_model(found.fitted))},
+                   {"captures", captures},
+                   {"fitted", total_json(found, false)},
+                   {"held_out", total_json(found, true)},
+                   {"stages", stages},
+                   {"parameters", parameters_json(found)},
+                   {"correlations", correlations_json(found)},
+                   {"curves", curves_json(found)},
+                   {"figures", sheet_figures(found)},
+                   {"meshes", sheet_meshes(found)},
+                   {"checklist", checklist_json(found)},
+                   {"fit",
+                    {{"cost", number(found.stages.empty() ? NAN : found.stages.back().cost_after)},
+                     {"iterations", iterations},
+                     {"status", all_done ? "every stage done" : "not every stage done"},
+                     {"message", found.stages.empty() ? "" : found.stages.back().message}}}};
+  put_requests(found, document);
+  return document;
 }
 
 }  // namespace tenter::jobs

@@ -2,7 +2,12 @@
 #include "server/jobs/sheet_fit/progress/live_progress.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdio>
+
+#include "common/model/catalogue.h"
+#include "common/model/export/term_curve.h"
 
 namespace tenter::jobs {
 
@@ -67,10 +72,40 @@ double LiveProgress::fraction() const {
   return kFrom + (kTo - kFrom) * std::min(1.0, share);
 }
 
+namespace {
+
+/// Stress over strain in eight steps of height, from the lowest of zero and all to the largest.
+std::string sparkline(const model::Term& term, const Eigen::VectorXd& values) {
+  constexpr int kCells = 8;
+  constexpr const char* kHeights[] = {"\u2581", "\u2582", "\u2583", "\u2584",
+                                      "\u2585", "\u2586", "\u2587", "\u2588"};
+  model::Law law = term.law;
+  if (law.parameters.size() < 2 || !(law.range_hi > law.range_lo)) return "";
+  for (std::size_t j = 0; j < law.parameters.size(); ++j)
+    law.parameters[j].value = values[static_cast<Eigen::Index>(j)];
+  const model::StrainRow* row = model::find_strain(term.strain.name);
+  const auto curve = model::TermCurve::of(law, row ? row->domain : model::Domain::membrane);
+  if (!curve) return "";
+  std::array<double, kCells> stress{};
+  for (int i = 0; i < kCells; ++i)
+    stress[static_cast<std::size_t>(i)] =
+        curve->stress(law, law.range_lo + (law.range_hi - law.range_lo) * (i + 1.0) / kCells);
+  const auto [least, most] = std::minmax_element(stress.begin(), stress.end());
+  const double lo = std::min(0.0, *least), hi = std::max(0.0, *most);
+  if (!(hi > lo) || !std::isfinite(hi - lo)) return "";
+  std::string words = " ";
+  for (const double value : stress)
+    words += kHeights[std::clamp(static_cast<int>(8.0 * (value - lo) / (hi - lo)), 0, 7)];
+  return words;
+}
+
+}  // namespace
+
 std::string values_in_words(const model::Model& model, const Eigen::VectorXd& parameters) {
   std::string words;
   Eigen::Index k = 0;
   for (const model::Term& term : model.terms) {
+    const Eigen::Index first = k;
     std::string values;
     for (const model::Parameter& p : term.law.parameters) {
       if (k >= parameters.size()) return words;
@@ -78,7 +113,10 @@ std::string values_in_words(const model::Model& model, const Eigen::VectorXd& pa
       std::snprintf(value, sizeof value, " %.4g", parameters[k++]);
       if (!p.fixed) values += value;
     }
-    if (!values.empty()) words += (words.empty() ? "" : ", ") + term.id + values;
+    if (values.empty()) continue;
+    values += sparkline(term, parameters.segment(first, k - first));
+    if (words.size() + term.id.size() + values.size() + 2 > kMostWords) return words + ", ...";
+    words += (words.empty() ? "" : ", ") + term.id + values;
   }
   return words;
 }

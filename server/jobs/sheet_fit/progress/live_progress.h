@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a running fit says: stage, frame being solved, cost, iteration and the parameters that are
-// tried (of a spline, its control points: the curve so far).
+// What a running fit says: stage, frame being solved, cost, iteration, the parameters that are
+// tried, and of a curve of several control points its shape so far.
 //
-//   stage "bend_u"  detail "frame 12 of 40, bend left; bend_weft 0.00021 0.00018"
+//   stage "bend_u"  detail "frame 12 of 40, bend left; bend_weft 0.00021 0.00018 ▁▃▅▇█"
 //
 // Of stages that run side by side one is told of, until it falls silent. Any thread may call. The
 // rate is the worker's matter, but words are made at most 20 times a second.
@@ -42,7 +42,10 @@ class LiveProgress {
   std::chrono::steady_clock::time_point next_{};
 };
 
-/// "weft 81.2 90.1, shear 4.3": free parameters by term.
+inline constexpr std::size_t kMostWords = 1200;  ///< bytes of values_in_words()
+
+/// "weft 81.2 90.1 ▁▂▄▆█, shear 4.3": free parameters by term, and the stress of curves over
+/// their range, each as a share of its own largest. Terms that are too many are left out ("...").
 std::string values_in_words(const model::Model& model, const Eigen::VectorXd& parameters);
 
 }  // namespace tenter::jobs

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "common/model/document.h"
@@ -122,6 +123,41 @@ Expected<estimation::StagedResult> staged_from_json(const json& value) {
     return bad_input(std::string("the checkpoint is not one: ") + trouble.what());
   }
   return result;
+}
+
+json to_json(const std::vector<estimation::StartOutcome>& outcomes) {
+  json list = json::array();
+  for (const estimation::StartOutcome& outcome : outcomes) {
+    const auto& p = outcome.parameters;
+    list.push_back({{"start", outcome.start},
+                    {"usable", outcome.usable},
+                    {"cost", number(outcome.cost)},
+                    {"parameters", std::vector<double>(p.data(), p.data() + p.size())},
+                    {"iterations", outcome.iterations},
+                    {"message", outcome.message}});
+  }
+  return list;
+}
+
+Expected<std::vector<estimation::StartOutcome>> outcomes_from_json(const json& value) {
+  std::vector<estimation::StartOutcome> outcomes;
+  try {
+    for (const json& entry : value) {
+      estimation::StartOutcome& outcome = outcomes.emplace_back();
+      entry.at("start").get_to(outcome.start);
+      entry.at("usable").get_to(outcome.usable);
+      const json& cost = entry.at("cost");
+      outcome.cost = cost.is_null() ? std::numeric_limits<double>::infinity() : cost.get<double>();
+      const auto p = entry.at("parameters").get<std::vector<double>>();
+      outcome.parameters =
+          Eigen::Map<const Eigen::VectorXd>(p.data(), static_cast<Eigen::Index>(p.size()));
+      entry.at("iterations").get_to(outcome.iterations);
+      entry.at("message").get_to(outcome.message);
+    }
+  } catch (const json::exception& trouble) {
+    return bad_input(std::string("the checkpoint is not one: ") + trouble.what());
+  }
+  return outcomes;
 }
 
 }  // namespace tenter::jobs

@@ -182,6 +182,49 @@ Json sheet_fit() {
   root["figures"] = Json::array({loop(0), loop(1)});
   root["meshes"] = Json::array({mesh(0, "largest displacement"), mesh(0, "worst residual"),
                                 mesh(4, "largest displacement")});
+  root["starts"] = {{"count", 3},         {"seed", 5},         {"widest", 10.0},
+                    {"share", 0.01},      {"frames", 8},       {"cost_of_fit", 4100.0},
+                    {"is_better", false}, {"in_best_basin", 2}};
+  root["starts"]["outcomes"] =
+      Json::array({{{"start", 0}, {"cost", 4100.0}, {"iterations", 2}, {"message", "converged"}},
+                   {{"start", 2}, {"cost", 4120.0}, {"iterations", 9}, {"message", "converged"}},
+                   {{"start", 3}, {"cost", 9100.0}, {"iterations", 9}, {"message", "converged"}},
+                   {{"start", 1}, {"cost", nullptr}, {"iterations", 0}, {"message", "no rest"}}});
+  root["convexity"] = {{"way", "every_step"},
+                       {"was_convex", false},
+                       {"is_convex", true},
+                       {"least", {{"term", "weft"}, {"strain", {0.02, 0.0}}, {"eigenvalue", -3.5}}},
+                       {"cost_before", 4100.0},
+                       {"cost_after", 4300.0},
+                       {"projections", 6},
+                       {"iterations", 5},
+                       {"message", "converged, every step projected"}};
+  root["samples"] = {{"positions_m", {{0.025, 0.025}, {0.075, 0.025}}},
+                     {"width_m", 0.025},
+                     {"released", {2}},
+                     {"training_before", 4100.0},
+                     {"training", 3900.0},
+                     {"held_out_before", 800.0},
+                     {"held_out", 640.0},
+                     {"message", ""}};
+  root["samples"]["steps"] = Json::array({{{"sample", 2},
+                                           {"kept", true},
+                                           {"training", 3900.0},
+                                           {"held_out_before", 800.0},
+                                           {"held_out", 640.0},
+                                           {"sigmas", 5.5},
+                                           {"rows_left_out", 36}}});
+  root["limit"] = {{"id", "lock"},
+                   {"unit", "J/m^2"},
+                   {"given", 2.0},
+                   {"is_reached", true},
+                   {"energy_max", 1.25},
+                   {"std_error", 0.03},
+                   {"at_least", nullptr},
+                   {"active_frames", 4},
+                   {"cost", 4100.0},
+                   {"cost_without", 5200.0},
+                   {"message", "the limit \"lock\" is reached"}};
   root["checklist"] =
       Json::array({{{"level", "WARNING"}, {"what", "Frames dropped"}, {"why", "1 of 194"}},
                    {{"level", "OK"}, {"what", "Converged"}, {"why", "every stage"}}});

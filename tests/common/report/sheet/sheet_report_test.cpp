@@ -18,20 +18,36 @@ using fixture::poison;
 
 TEST(SheetReport, ShowsEveryPartOfTheResult) {
   const std::string page = page_of(fixture::sheet_fit());
-  for (const char* anchor : {"captures", "curves", "loops", "sheets", "stages", "parameters",
-                             "correlations", "model", "checklist"})
+  for (const char* anchor :
+       {"captures", "curves", "loops", "sheets", "stages", "parameters", "starts", "convexity",
+        "samples", "limit", "correlations", "model", "checklist"})
     EXPECT_EQ(count(page, "<section id=\"" + std::string(anchor) + "\""), 1U) << anchor;
-  EXPECT_EQ(count(page, "<svg class=\"plot\""), 4U);
+  EXPECT_EQ(count(page, "<svg class=\"plot\""), 5U);
   EXPECT_EQ(count(page, "<svg class=\"mesh\""), 3U);
   EXPECT_EQ(count(page, "series ribbon"), 1U);
   EXPECT_EQ(count(page, "class=\"unseen\""), 4U);  // below and above, of two curves
   for (const char* words :
-       {"forces by 3.3\u202fmN (1.1\u202f\u03c3) and positions by 0.081\u202fmm", "1 held out",
-        "41\u202fmN \u2192 3.3\u202fmN", ">HELD OUT</span>", "frame 17: no stable equilibrium",
-        "31 of 656 vertices", ">not done</span>", "at a bound: <code>shear.k</code>", "-0.94",
-        "starting model</button>", "fitted model</button>", "shaded: never seen",
-        "frame 16: largest displacement", ">one sided</span><div class=\"soft\">above 0.125<",
-        "<th>Profile likelihood</th>"})
+       {"forces by 3.3\u202fmN (1.1\u202f\u03c3) and positions by 0.081\u202fmm",
+        "1 held out",
+        "41\u202fmN \u2192 3.3\u202fmN",
+        ">HELD OUT</span>",
+        "frame 17: no stable equilibrium",
+        "31 of 656 vertices",
+        ">not done</span>",
+        "at a bound: <code>shear.k</code>",
+        "-0.94",
+        "starting model</button>",
+        "fitted model</button>",
+        "shaded: never seen",
+        "frame 16: largest displacement",
+        ">one sided</span><div class=\"soft\">above 0.125<",
+        "<th>Profile likelihood</th>",
+        "2 of 4 starts ended within 1",
+        "1 start ended without",
+        "least so: <code>weft</code>, eigenvalue -3.5",
+        "75\u202fmm, 25\u202fmm",
+        "without 36 rows",
+        "1.25 \u00b1 0.03"})
     EXPECT_NE(page.find(words), std::string::npos) << words;
   // the first screen is the table of captures, what was held out at its end
   EXPECT_LT(page.find("id=\"captures\""), page.find("id=\"curves\""));
@@ -74,7 +90,9 @@ TEST(SheetReport, TextSaysErrorsStagesAndWarnings) {
   for (const char* words :
        {"The fit misses forces by 3.3\u202fmN", "Fit of 4 captures of a sheet with cloth_stvk",
         "41\u202fmN -> 6.2\u202fmN", "[HELD OUT]", "1 frames dropped", "stretch u", "not done",
-        "WARNING", "Frames dropped", "one sided", "above 0.125"})
+        "WARNING", "Frames dropped", "one sided", "above 0.125", "2 of 4 in the best basin",
+        "1 of 1 tried were kept; held-out cost 800 -> 640", "yes; cost 4100 -> 4300",
+        "the limit \"lock\" is reached"})
     EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << text;
 }
 

@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "server/estimation/sequences/folds/meaningful_rows.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
 #include "server/mechanics/equilibrium/equilibrium.h"
 #include "tests/server/estimation/sequences/bars.h"
@@ -78,14 +79,22 @@ Sequence measured(const std::string& name, bool along_weft, const Eigen::Vector3
   return sequence;
 }
 
-SampledFit found_in(const model::Model& truth, unsigned seed) {
+/// Height of wrinkles that the measured points of a held-out sequence have and no model shows.
+SampledFit found_in(const model::Model& truth, unsigned seed, double wrinkles_m = 0.0,
+                    bool looks_at_folds = false) {
   std::mt19937 random(seed);
   const std::vector<Sequence> seen = {measured("weft", true, {0.008, 0.0, 0.0}, truth, random),
                                       measured("warp", false, {0.0, 0.008, 0.0}, truth, random)};
   // pulls that leave the sheet flat: folds have more than one answer
-  const std::vector<Sequence> unseen = {
-      measured("weft further", true, {0.011, 0.0, 0.0}, truth, random),
-      measured("warp less", false, {0.0, 0.005, 0.0}, truth, random)};
+  std::vector<Sequence> unseen = {measured("weft further", true, {0.011, 0.0, 0.0}, truth, random),
+                                  measured("warp less", false, {0.0, 0.005, 0.0}, truth, random)};
+  if (wrinkles_m > 0.0) {
+    unseen.push_back(measured("wrinkled", true, {0.008, 0.0, 0.0}, truth, random));
+    for (SequenceFrame& frame : unseen.back().frames)
+      for (std::size_t k = 0; k < unseen.back().points.size(); ++k)
+        frame.points_m(2, static_cast<Eigen::Index>(k)) +=
+            wrinkles_m * std::cos(160.0 * unseen.back().points[k].material_m.y());
+  }
   const auto make = [](const std::vector<Sequence>& sequences) -> MakeFor {
     return [&sequences](const model::Model& model) -> Expected<std::unique_ptr<ResidualFunction>> {
       auto evaluator = SequenceEvaluator::make(model, sequences);
@@ -102,6 +111,10 @@ SampledFit found_in(const model::Model& truth, unsigned seed) {
   options.most = 2;
   options.tries = 1;
   options.fit.tolerance = 1e-5;
+  if (looks_at_folds)
+    options.meaningful = [](const ResidualFunction& function) {
+      return meaningful_rows(static_cast<const SequenceEvaluator&>(function));
+    };
   auto found = add_samples(start, samples, make(seen), make(unseen), options);
   EXPECT_TRUE(found) << (found ? "" : found.error().message);
   return *found;
@@ -130,6 +143,17 @@ TEST(MaterialSamples, AHiddenStiffPatchIsFound) {
     const auto at = std::find(names.begin(), names.end(), other) - names.begin();
     EXPECT_GT(values[parameter], 1.4 * values[at]) << background;
   }
+}
+
+TEST(MaterialSamples, AFoldedHeldOutFrameDoesNotDrownWhatTheOthersSay) {
+  // its distances are a hundred times all others and no stiffness changes them
+  EXPECT_TRUE(found_in(with_patch(), 3, 1e-2).released.empty());
+  const SampledFit found = found_in(with_patch(), 3, 1e-2, true);
+  ASSERT_FALSE(found.released.empty());
+  EXPECT_EQ(found.steps[0].rows_left_out, 3 * 3 * 41);
+  EXPECT_LT(found.held_out, 0.5 * found.homogeneous_held_out);
+  // nothing is left out where nothing is folded
+  EXPECT_EQ(found_in(with_patch(), 3, 0.0, true).steps[0].rows_left_out, 0);
 }
 
 TEST(MaterialSamples, AHomogeneousSheetGetsNone) {

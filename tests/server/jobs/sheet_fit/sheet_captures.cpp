@@ -108,7 +108,7 @@ void simulate(Capture& made, const SheetCaptureOptions& options) {
   Sheet& sheet = *made.sheet;
   const estimation::CapturedSequence captured = sequence_of(made, options);
   const estimation::Sequence& sequence = captured.sequence;
-  const model::Model cloth = true_cloth();
+  const model::Model& cloth = options.cloth;
   const auto mesh_model = mechanics::MeshModel::make(cloth, sequence.cloth).value();
   const Eigen::VectorXd parameters = estimation::parameter_values(cloth);
   std::mt19937 random(options.seed);

@@ -10,6 +10,9 @@
 
 namespace tenter::testing {
 
+/// "cloth_stvk" with the values that the captures are made with.
+model::Model true_cloth();
+
 struct SheetCaptureOptions {
   std::string role = "stretch_u";  ///< or stretch_v, shear, bend_u, bend_v
   int nodes = 7;                   ///< on a side
@@ -18,10 +21,8 @@ struct SheetCaptureOptions {
   double sigma_m = 2e-5;
   double sigma_N = 3e-3;
   unsigned seed = 1;
+  model::Model cloth = true_cloth();
 };
-
-/// "cloth_stvk" with the values that the captures are made with.
-model::Model true_cloth();
 
 /// Throws where it finds no equilibrium.
 capture::Capture sheet_capture(const SheetCaptureOptions& options);

@@ -81,9 +81,9 @@ FitResult fit_tied(ResidualFunction& evaluator, const ParameterTies& ties,
   TiedFunction tied(evaluator, ties);
   FitOptions of_numbers = options;
   const auto number_of = [&ties](int parameter) {
-    Eigen::Index q = 0;
-    ties.map.row(parameter).maxCoeff(&q);
-    return static_cast<int>(q);
+    Eigen::Index number = 0;
+    ties.map.row(parameter).maxCoeff(&number);
+    return static_cast<int>(number);
   };
   for (FrictionPlaces& at : of_numbers.friction)
     at = {number_of(at.a), number_of(at.b), number_of(at.c), number_of(at.tau)};

@@ -37,7 +37,9 @@ TEST(FrictionBound, IsWhereTheDissipationBreaks) {
     };
     EXPECT_NEAR(bound.by_a, slope(h * a, 0.0, 0.0), 1e-6 * bound.b / a);
     EXPECT_NEAR(bound.by_tau, slope(0.0, 0.0, h * tau), 1e-6 * bound.b / tau);
-    if (c > 0.0) EXPECT_NEAR(bound.by_c, slope(0.0, h * c, 0.0), 1e-6 * bound.b / c);
+    if (c > 0.0) {
+      EXPECT_NEAR(bound.by_c, slope(0.0, h * c, 0.0), 1e-6 * bound.b / c);
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/model/catalogue.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tenter::model {
@@ -221,6 +222,13 @@ std::pair<double, double> spline_range(const Law& law, Domain domain) {
   if (law.range_lo == law.range_hi)
     return domain == Domain::hinge ? std::pair{-300.0, 300.0} : std::pair{0.0, 0.5};
   return {law.range_lo, law.range_hi};
+}
+
+bool remembers_path(const Model& model) {
+  return std::any_of(model.terms.begin(), model.terms.end(), [](const Term& term) {
+    const LawRow* row = find_law(term.law.name);
+    return row != nullptr && row->path_dependent;
+  });
 }
 
 }  // namespace tenter::model

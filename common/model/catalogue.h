@@ -99,4 +99,7 @@ std::vector<Parameter> default_parameters(const CorrectionRow& correction);
 /// curvature).
 std::pair<double, double> spline_range(const Law& law, Domain domain = Domain::membrane);
 
+/// Whether a term's law has a memory: frames are then steps of one path, and none may be left out.
+bool remembers_path(const Model& model);
+
 }  // namespace tenter::model

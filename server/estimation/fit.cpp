@@ -9,6 +9,7 @@
 #include "common/model/catalogue.h"
 #include "server/estimation/least_squares/bounded_marquardt.h"
 #include "server/estimation/least_squares/covariance.h"
+#include "server/estimation/least_squares/dissipation.h"
 #include "server/estimation/least_squares/gauss_newton.h"
 #include "server/estimation/least_squares/objective.h"
 #include "server/estimation/least_squares/trust_region.h"
@@ -102,9 +103,8 @@ void by_bounded_marquardt(Objective& objective, const Bounds& bounds, const FitO
   result.message = describe(found.end);
 }
 
-}  // namespace
-
-FitResult fit(ResidualFunction& evaluator, const model::Model& start, const FitOptions& options) {
+FitResult fit_in_box(ResidualFunction& evaluator, const model::Model& start,
+                     const FitOptions& options) {
   FitResult result;
   const auto parameters = parameters_of(start);
   Eigen::VectorXd all(static_cast<Eigen::Index>(parameters.size()));
@@ -166,6 +166,66 @@ FitResult fit(ResidualFunction& evaluator, const model::Model& start, const FitO
   result.usable = true;
   result.chi2 = result.residuals.cwiseAbs2().dot(weights);
   describe_optimum(parameters, free, weights, options.loss, evaluator.rows(), result);
+  return result;
+}
+
+/// Cost by one parameter at the bounded optimum, of the function itself.
+double slope_by(ResidualFunction& evaluator, const Eigen::VectorXd& at, int parameter,
+                const FitOptions& options) {
+  Eigen::VectorXd residuals;
+  RowMatrix jacobian;
+  if (evaluator.evaluate(at, residuals, &jacobian) != mechanics::PathStatus::ok) return 0.0;
+  const Eigen::VectorXd weights = weights_of(evaluator, options);
+  double slope = 0.0;
+  for (Eigen::Index k = 0; k < residuals.size(); ++k) {
+    const double r = residuals[k];
+    slope += 2.0 * weights[k] * loss_at(options.loss, r * r).by_s * r * jacobian(k, parameter);
+  }
+  return slope;
+}
+
+}  // namespace
+
+FitResult fit(ResidualFunction& evaluator, const model::Model& start, const FitOptions& options) {
+  std::vector<FrictionPlaces> places = options.friction;
+  model::Model from = start;
+  const auto parameters = parameters_of(from);
+  std::erase_if(places, [&](const FrictionPlaces& at) {
+    return parameters[static_cast<std::size_t>(at.b)]->fixed;
+  });
+  if (places.empty()) return fit_in_box(evaluator, start, options);
+
+  constexpr int kRounds = 4;
+  constexpr double kInside = 0.9;  // of the bound: where b has a say again
+  DissipativeFunction bounded(evaluator, places);
+  const auto put_inside = [&](const Eigen::VectorXd& values, const FrictionPlaces& at) {
+    parameters[static_cast<std::size_t>(at.b)]->value =
+        kInside * growth_bound(values[at.a], values[at.c], values[at.tau]).b;
+  };
+  const Eigen::VectorXd given = parameter_values(from);
+  for (const FrictionPlaces& at : bounded.beyond(given)) put_inside(given, at);
+  FitResult result;
+  for (int round = 1; round <= kRounds; ++round) {
+    const int before = result.iterations;
+    result = fit_in_box(bounded, from, options);
+    result.iterations += before;
+    const std::vector<FrictionPlaces> beyond = bounded.beyond(result.parameters);
+    result.parameters = bounded.bounded(result.parameters);
+    if (!result.usable || beyond.empty()) return result;
+    for (const FrictionPlaces& at : beyond) {
+      result.states[static_cast<std::size_t>(at.b)] = ParameterState::at_bound;
+      result.std_error[at.b] = 0.0;
+    }
+    bool falls_inwards = false;
+    for (std::size_t p = 0; p < parameters.size(); ++p)
+      parameters[p]->value = result.parameters[static_cast<Eigen::Index>(p)];
+    for (const FrictionPlaces& at : beyond) {
+      if (!(slope_by(evaluator, result.parameters, at.b, options) > 0.0)) continue;
+      falls_inwards = true;
+      put_inside(result.parameters, at);
+    }
+    if (!falls_inwards || result.stopped) return result;
+  }
   return result;
 }
 

@@ -43,6 +43,11 @@ enum class FitMethod {
   bounded_marquardt     ///< Levenberg-Marquardt, each step the exact one within the bounds
 };
 
+/// Where the parameters of one Dahl friction are among the flat ones.
+struct FrictionPlaces {
+  int a = 0, b = 0, c = 0, tau = 0;
+};
+
 struct FitOptions {
   Eigen::VectorXd weights;  ///< one per row, not negative; empty: all 1. Times evaluator.weights()
   int max_iterations = 80;
@@ -50,6 +55,9 @@ struct FitOptions {
   double residual_stop = 0.01;  ///< the same of the residual's length, of Gauss-Newton
   FitMethod method = FitMethod::trust_region;
   RobustLoss loss;
+  /// Frictions that shall lose work on every way (least_squares/dissipation.h); empty: none is
+  /// bound.
+  std::vector<FrictionPlaces> friction;
   /// Called after each iteration with its number and cost; returns false to stop.
   std::function<bool(int, double)> on_iteration;
 };
@@ -60,14 +68,14 @@ struct FitResult {
   bool stopped = false;  ///< by on_iteration
   std::string message;
   int iterations = 0;
-  double chi2 = 0.0;           ///< sum of weighted squared residuals, whatever the loss
-  Eigen::VectorXd parameters;  ///< all, flat
-  Eigen::VectorXd residuals;   ///< of all rows, also those of weight zero
-  RowMatrix jacobian;          ///< rows x all parameters, at the optimum
-  std::vector<ParameterState> states;
-  Eigen::VectorXd std_error;    ///< zero where not free
-  RowMatrix correlation;        ///< of the free parameters at their places, zero elsewhere
-  double effective_rows = 0.0;  ///< rows that count as independent
+  double chi2 = 0.0;                   ///< sum of weighted squared residuals, whatever the loss
+  Eigen::VectorXd parameters;          ///< all, flat
+  Eigen::VectorXd residuals;           ///< of all rows, also those of weight zero
+  RowMatrix jacobian;                  ///< rows x all parameters, at the optimum
+  std::vector<ParameterState> states;  ///< at_bound also of a b that the dissipation bounds
+  Eigen::VectorXd std_error;           ///< zero where not free
+  RowMatrix correlation;               ///< of the free parameters at their places, zero elsewhere
+  double effective_rows = 0.0;         ///< rows that count as independent
 };
 
 /// Starts from the model's values. Spline laws without a range must have been given one (see

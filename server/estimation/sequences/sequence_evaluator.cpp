@@ -11,7 +11,6 @@
 
 namespace tenter::estimation {
 
-using mechanics::EquilibriumOptions;
 using mechanics::EquilibriumSolver;
 using mechanics::MeshModel;
 using mechanics::PathStatus;

@@ -79,7 +79,15 @@ FitResult fit_tied(ResidualFunction& evaluator, const ParameterTies& ties,
   model::Model numbers;
   numbers.terms.emplace_back().law.parameters = ties.free;
   TiedFunction tied(evaluator, ties);
-  FitResult result = fit(tied, numbers, options);
+  FitOptions of_numbers = options;
+  const auto number_of = [&ties](int parameter) {
+    Eigen::Index number = 0;
+    ties.map.row(parameter).maxCoeff(&number);
+    return static_cast<int>(number);
+  };
+  for (FrictionPlaces& at : of_numbers.friction)
+    at = {number_of(at.a), number_of(at.b), number_of(at.c), number_of(at.tau)};
+  FitResult result = fit(tied, numbers, of_numbers);
   if (!result.usable) return result;
 
   const Eigen::VectorXd errors = result.std_error;

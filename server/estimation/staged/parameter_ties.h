@@ -63,7 +63,8 @@ class TiedFunction final : public ResidualFunction {
 
 /// fit() over q (whose values go where the last argument points), started from the values of
 /// `ties.free`; the result is over p: standard errors and correlations are those of T q, and a
-/// parameter that hangs on one number has that number's state.
+/// parameter that hangs on one number has that number's state. Places of frictions in `options` are
+/// among p.
 FitResult fit_tied(ResidualFunction& evaluator, const ParameterTies& ties,
                    const FitOptions& options, Eigen::VectorXd* q = nullptr);
 

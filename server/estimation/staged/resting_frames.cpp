@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "common/model/catalogue.h"
 #include "server/mechanics/equilibrium/equilibrium.h"
 
 namespace tenter::estimation {
@@ -20,6 +21,7 @@ Expected<RestingFrames> resting_frames(const model::Model& model, const Sequence
   mechanics::EquilibriumOptions options;
   options.tolerance_N = tolerance_N;
   options.predict = false;
+  mechanics::History history = bound->never_strained();
   for (std::size_t f = 0; f < sequence.frames.size(); ++f) {
     const SequenceFrame& frame = sequence.frames[f];
     auto& solver = solvers[static_cast<std::size_t>(frame.boundary)];
@@ -33,8 +35,11 @@ Expected<RestingFrames> resting_frames(const model::Model& model, const Sequence
     prescribe(sequence, f, true, at);
     mechanics::Loads loads = sequence.loads;
     loads.cord_force_N = frame.cord_force_N;
-    auto solved = solver->solve(parameters, loads, at, options);
-    if (solved && solved->is_good(options)) {
+    history.duration_s = frame.duration_s;
+    auto solved = solver->solve(parameters, loads, at, options, &history);
+    if (solved && solved->is_good(options) &&
+        bound->end_of_step(at.x, parameters, history, history.state) ==
+            mechanics::AssemblyStatus::ok) {
       found.resting.push_back(static_cast<int>(f));
       found.by_node_N.push_back(std::move(solved->by_node));
       found.states.push_back(at);
@@ -52,6 +57,10 @@ std::vector<int> even_frames(int all, int most) {
   std::vector<int> frames;
   for (int k = 1; k <= count; ++k) frames.push_back((k * all + count - 1) / count - 1);
   return frames;
+}
+
+std::vector<int> taken_frames(const model::Model& model, int all, int most) {
+  return even_frames(all, model::remembers_path(model) ? all : most);
 }
 
 void keep_frames(Sequence& sequence, const std::vector<int>& frames) {

@@ -5,7 +5,8 @@
 //   auto found = resting_frames(model, sequence, parameters, 1e-7);
 //   keep_frames(sequence, found->resting);
 //
-// Frames are walked in order, each from where the last one with a rest was. Pure; one thread.
+// Frames are walked in order, each from where the last one with a rest was; a model that remembers
+// its path goes from rest to rest, and knows nothing of a frame without one. Pure; one thread.
 #pragma once
 
 #include <string>
@@ -34,6 +35,9 @@ Expected<RestingFrames> resting_frames(const model::Model& model, const Sequence
 
 /// At most so many of `all` frames, evenly over them and the last one with them; from 0.
 std::vector<int> even_frames(int all, int most);
+
+/// The same, but all of them for a model that remembers its path: each frame is a step of it.
+std::vector<int> taken_frames(const model::Model& model, int all, int most);
 
 /// Leaves only these, in their order.
 void keep_frames(Sequence& sequence, const std::vector<int>& frames);

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "server/estimation/least_squares/dissipation.h"
 #include "server/estimation/staged/resting_frames.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/staged/splines/strain_histogram.h"
@@ -31,11 +32,13 @@ struct Trial {
 
 class Stage {
  public:
-  Stage(const StageTask& task, const StageOptions& options) : task_(task), options_(options) {
+  Stage(const StageTask& task, const StageOptions& options, const model::Model& model)
+      : task_(task), options_(options) {
     record_.name = task.name;
     for (const RoleSequence& s : task.sequences) {
       const int all = static_cast<int>(s.sequence.frames.size());
-      taken_.push_back(even_frames(all, options.most_frames > 0 ? options.most_frames : all));
+      taken_.push_back(
+          taken_frames(model, all, options.most_frames > 0 ? options.most_frames : all));
       sequences_.push_back(observed(s, options.channels));
       keep_frames(sequences_.back(), taken_.back());
     }
@@ -225,6 +228,7 @@ class Stage {
     options.max_iterations = options_.max_iterations;
     options.tolerance = options_.tolerance;
     options.loss = options_.loss;
+    options.friction = friction_places(model);
     const int points = points_of(model);
     if (options_.on_progress)
       options.on_iteration = [&](int iteration, double cost) {
@@ -358,7 +362,7 @@ class Stage {
 
 Expected<StageRecord> fit_stage(model::Model& model, const StageTask& task,
                                 const StageOptions& options) {
-  return Stage(task, options).run(model);
+  return Stage(task, options, model).run(model);
 }
 
 }  // namespace tenter::estimation

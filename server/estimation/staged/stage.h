@@ -40,7 +40,7 @@ struct StageOptions {
   int threads = 1;
   Channels channels = Channels::thesis;
   Weighting weighting = {};  ///< of rows in (3.6), where a stage has several sequences
-  int most_frames = 0;       ///< of a sequence, evenly over it; 0: all
+  int most_frames = 0;       ///< of a sequence, evenly over it; 0: all, as of models that remember
   int most_points = 5;
   double least_gain = 0.01;   ///< of (3.6), for one control point more
   bool stop_at_noise = true;  ///< no point more where the rows' sigmas explain what is left of

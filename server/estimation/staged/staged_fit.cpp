@@ -54,7 +54,7 @@ class StagedFit {
  public:
   StagedFit(model::Model model, const std::vector<RoleSequence>& measured,
             const StagedOptions& options)
-      : options_(options), whole_(measured, options.stage) {
+      : options_(options), whole_(model, measured, options.stage) {
     result_.model = std::move(model);
     if (options.resume != nullptr) result_ = *options.resume;
     done_before_ = result_.stages.size();

@@ -77,13 +77,14 @@ bool Value::is_above(const Value& before) const {
   return means.mine > (1.0 + kShare) * means.others + 2.0 * std::sqrt(means.variance);
 }
 
-WholeCost::WholeCost(const std::vector<RoleSequence>& measured, const StageOptions& options)
+WholeCost::WholeCost(const model::Model& model, const std::vector<RoleSequence>& measured,
+                     const StageOptions& options)
     : threads_(options.threads), tolerance_N_(options.tolerance_N) {
   for (const RoleSequence& s : measured) {
     if (s.role == Role::evaluation) continue;
     sequences_.push_back(observed(s, options.channels));
     keep_frames(sequences_.back(),
-                even_frames(static_cast<int>(sequences_.back().frames.size()), kFrames));
+                taken_frames(model, static_cast<int>(sequences_.back().frames.size()), kFrames));
   }
 }
 

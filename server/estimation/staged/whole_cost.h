@@ -38,8 +38,9 @@ class WholeCost {
   };
 
   /// Of sequences that are not for evaluation, the channels that count. `options`: channels,
-  /// threads, tolerance.
-  WholeCost(const std::vector<RoleSequence>& measured, const StageOptions& options);
+  /// threads, tolerance. `model`: as those that are asked for, but for their numbers.
+  WholeCost(const model::Model& model, const std::vector<RoleSequence>& measured,
+            const StageOptions& options);
 
   /// Errors as resting_frames().
   Expected<Value> of(const model::Model& model) const;

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "common/model/catalogue.h"
+#include "server/mechanics/friction/dahl_work.h"
 
 namespace tenter::estimation {
 namespace {
@@ -91,13 +92,33 @@ void add_ranges(std::vector<Caveat>& list, const model::Model& model) {
   }
 }
 
+/// Dissipation of Dahl's law (mechanics/friction/dahl_work.h) at any strain.
+void add_frictions(std::vector<Caveat>& list, const model::Model& model,
+                   const Eigen::VectorXd& values) {
+  constexpr double kAnyStrain = 1e9;
+  Eigen::Index first = 0;
+  for (const model::Term& term : model.terms) {
+    const Eigen::Index own = first;
+    first += static_cast<Eigen::Index>(term.law.parameters.size());
+    if (term.law.name != "dahl" || first > values.size()) continue;
+    const mechanics::DissipationCheck check =
+        mechanics::check_dissipation(values.data() + own, kAnyStrain);
+    if (check.holds) continue;
+    add(list, CaveatKind::gains_work, term.id,
+        "a step of \"" + term.id + "\" may give back more work than it took at strains from " +
+            number(check.fails_from) + " to " + number(check.fails_to) +
+            ": tau times the slope of sigma_max is up to " + number(check.worst) +
+            " times 2 sigma_max there");
+  }
+}
+
 }  // namespace
 
 std::string_view words_of(CaveatKind kind) {
-  static constexpr std::string_view kWords[] = {"not_converged",  "frozen",        "zero_gradient",
-                                                "at_bound",       "flat",          "one_sided",
-                                                "multimodal",     "correlated",    "beyond_data",
-                                                "dropped_frames", "rows_left_out", "wrong_form"};
+  static constexpr std::string_view kWords[] = {
+      "not_converged", "frozen",     "zero_gradient", "at_bound",    "flat",
+      "one_sided",     "multimodal", "correlated",    "beyond_data", "dropped_frames",
+      "rows_left_out", "wrong_form", "gains_work"};
   return kWords[static_cast<std::size_t>(kind)];
 }
 
@@ -138,6 +159,7 @@ std::vector<Caveat> caveats(const model::Model& model, const FitResult& found,
     add(list, CaveatKind::wrong_form, model.name,
         "residuals are " + number(std::sqrt(per_row)) +
             " times the noise: the model's form is wrong, and intervals are widened for it");
+  add_frictions(list, model, found.parameters);
   std::stable_sort(list.begin(), list.end(),
                    [](const Caveat& a, const Caveat& b) { return a.kind < b.kind; });
   return list;

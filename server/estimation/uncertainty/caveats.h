@@ -28,7 +28,8 @@ enum class CaveatKind {
   beyond_data,     ///< a spline has control points where no strain was measured
   dropped_frames,  ///< frames without an equilibrium, or left out
   rows_left_out,   ///< rows of weight zero
-  wrong_form       ///< residuals are larger than the noise: intervals are widened
+  wrong_form,      ///< residuals are larger than the noise: intervals are widened
+  gains_work       ///< a friction gives back more work than it took, somewhere
 };
 /// "not_converged" and the like.
 std::string_view words_of(CaveatKind kind);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/mechanics/laws/dahl.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace tenter::mechanics {
@@ -86,27 +85,6 @@ void DahlLaw::evaluate(const LawInput& in, LawOutput& out) const {
       out.stress_by_parameter[i][k] = step.by_parameter[k];
       out.state_by_parameter[stress][k] = step.by_parameter[k];
     }
-  }
-}
-
-void DahlLaw::evaluate_batch(const double* parameters, const LawBatch& batch) const {
-  if (batch.energy) std::fill_n(batch.energy, batch.count, 0.0);
-  for (int i = 0; i < strain_count(); ++i) {
-    const double* before = batch.state[2 * i];
-    const double* last = batch.state[2 * i + 1];
-    for (int e = 0; e < batch.count; ++e) {
-      const double strain = batch.strain[i][e];
-      const DahlStep step =
-          dahl_step(before ? last[e] : 0.0, before ? before[e] : 0.0, strain, parameters);
-      batch.stress[i][e] = step.stress;
-      if (batch.energy) batch.energy[e] += step.potential;
-      if (batch.tangent[0][0]) batch.tangent[i][i][e] = step.by_e1;
-      if (!batch.end_state[0]) continue;
-      batch.end_state[2 * i][e] = step.stress;
-      batch.end_state[2 * i + 1][e] = strain;
-    }
-    if (!batch.tangent[0][0]) continue;
-    for (int j = i + 1; j < strain_count(); ++j) std::fill_n(batch.tangent[i][j], batch.count, 0.0);
   }
 }
 

@@ -10,7 +10,7 @@ namespace tenter::model {
 namespace {
 
 TEST(Presets, EachParsesUnderItsOwnNameAndRoundTrips) {
-  ASSERT_EQ(preset_names().size(), 20u);
+  ASSERT_EQ(preset_names().size(), 21u);
   for (const std::string& name : preset_names()) {
     const Expected<Model> model = preset(name);
     ASSERT_TRUE(model) << model.error().message;

@@ -30,12 +30,34 @@ struct Measured {
   std::vector<State> settled;  ///< by the last model
 };
 
+/// What a model remembers where a frame's step starts, and how that changes with its parameters.
+struct Past {
+  mechanics::History history;
+  Eigen::MatrixXd by_parameter;
+
+  explicit Past(const MeshModel& model)
+      : history(model.never_strained()),
+        by_parameter(Eigen::MatrixXd::Zero(model.history_count(), model.parameter_count())) {}
+
+  /// To the end of the step to a shape.
+  bool go_on(const MeshModel& model, const Eigen::VectorXd& x, const Eigen::VectorXd& parameters) {
+    if (model.history_count() == 0) return true;
+    std::vector<Eigen::Index> all;
+    for (Eigen::Index p = 0; p < model.parameter_count(); ++p) all.push_back(p);
+    const Eigen::MatrixXd shape_stays = Eigen::MatrixXd::Zero(x.size(), model.parameter_count());
+    return model.carry_history_change(x, parameters, history, shape_stays, all, by_parameter) ==
+               mechanics::AssemblyStatus::ok &&
+           model.end_of_step(x, parameters, history, history.state) ==
+               mechanics::AssemblyStatus::ok;
+  }
+};
+
 /// The rows of one frame, linear in the moving free numbers: A dq = b, whitened.
 class FrameRows {
  public:
   FrameRows(Measured& measured, std::size_t frame, const Eigen::VectorXd& parameters,
-            const Eigen::MatrixXd& moving)
-      : measured_(measured), frame_(frame), parameters_(parameters), moving_(moving) {}
+            const Eigen::MatrixXd& moving, const Past& past)
+      : measured_(measured), frame_(frame), parameters_(parameters), moving_(moving), past_(past) {}
 
   /// False where the stiffness cannot be factored.
   bool find(const State& state) {
@@ -44,11 +66,14 @@ class FrameRows {
     MeasuredShape::Site& site = measured_.shape->site(frame_);
     const mechanics::Potential potential(*measured_.model, parameters_,
                                          measured_.shape->boundary(frame_), *site.unknowns, loads,
-                                         no_contact);
+                                         no_contact, nullptr, &past_.history);
     if (!factor(potential, *site.factor, state)) return false;
     Eigen::MatrixXd by_parameter;
-    if (measured_.model->gradient_by_parameter(state.x, parameters_, by_parameter) !=
-        mechanics::AssemblyStatus::ok)
+    const MeshModel& model = *measured_.model;
+    if (model.gradient_by_parameter(state.x, parameters_, by_parameter, nullptr, &past_.history) !=
+            mechanics::AssemblyStatus::ok ||
+        model.add_gradient_by_history(state.x, parameters_, past_.history, past_.by_parameter,
+                                      by_parameter) != mechanics::AssemblyStatus::ok)
       return false;
     gap_by_q_ = by_parameter * moving_;
     // the way to equilibrium, at q_0 (column 0) and its change with q
@@ -120,6 +145,7 @@ class FrameRows {
   std::size_t frame_;
   const Eigen::VectorXd& parameters_;
   const Eigen::MatrixXd& moving_;
+  const Past& past_;
   PotentialValue value_;
   Eigen::MatrixXd gap_by_q_, a_;
   Eigen::VectorXd b_;
@@ -186,10 +212,13 @@ class Gap {
     int used = 0;
     int left_out = 0;
     for (Measured& m : measured_) {
+      Past past(*m.model);
       for (std::size_t k = 0; k < m.frames.size(); ++k) {
-        FrameRows frame(m, m.frames[k], parameters, map_);
+        past.history.duration_s = m.sequence->frames[m.frames[k]].duration_s;
+        FrameRows frame(m, m.frames[k], parameters, map_, past);
         State settled = m.settled[k];
-        if (!m.shape->settle(m.frames[k], parameters, settled) || !frame.find(settled)) {
+        if (!m.shape->settle(m.frames[k], parameters, settled, &past.history) ||
+            !frame.find(settled) || !past.go_on(*m.model, settled.x, parameters)) {
           ++left_out;
           m.settled[k] = m.filled[k];
           continue;
@@ -264,7 +293,7 @@ Expected<GapResult> equation_gap(const model::Model& model, const ParameterTies&
     m.channels = std::make_unique<Observations>(*given.sequence);
     m.shape = std::make_unique<MeasuredShape>(std::move(*shape));
     for (const int f :
-         even_frames(static_cast<int>(given.sequence->frames.size()), options.most_frames))
+         taken_frames(model, static_cast<int>(given.sequence->frames.size()), options.most_frames))
       m.frames.push_back(static_cast<std::size_t>(f));
     measured.push_back(std::move(m));
   }

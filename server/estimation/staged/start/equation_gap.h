@@ -17,6 +17,9 @@
 //   auto gap = equation_gap(model, ties, sequences, {});
 //   if (gap) for (...) ties.free[k].value = gap->q[k];
 //
+// Where laws remember their path, it is walked along the measured shapes, all of them, and dG/dq is
+// that of the whole path.
+//
 // Sequences say what is compared by what they hold: `shape` is where the positions come from, and
 // `rows` which rows count (the thesis fits stretch and shear by forces alone). Pure; one thread.
 #pragma once
@@ -38,7 +41,7 @@ struct GapSequence {
 };
 
 struct GapOptions {
-  int most_frames = 8;   ///< of a sequence, evenly over it
+  int most_frames = 8;   ///< of a sequence, evenly over it; all of a model that remembers
   int most_rounds = 8;   ///< with a new K
   double enough = 1e-3;  ///< relative change of every q after which no round follows
   double widest = 30.0;  ///< factor by which a round may change q, the last one aside

@@ -164,14 +164,15 @@ void MeasuredShape::add_springs(std::size_t frame, double stiffness, const State
   }
 }
 
-bool MeasuredShape::settle(std::size_t frame, const Eigen::VectorXd& parameters, State& state) {
+bool MeasuredShape::settle(std::size_t frame, const Eigen::VectorXd& parameters, State& state,
+                           const mechanics::History* history) {
   constexpr int kMostSteps = 12;
   constexpr double kEnough = 1e-3;  // of the net force that the first shape has
   const mechanics::Loads frame_loads = loads(frame);
   const mechanics::Contact no_contact;
   Site& here = site(frame);
   const mechanics::Potential potential(*model_, parameters, boundary(frame), *here.unknowns,
-                                       frame_loads, no_contact);
+                                       frame_loads, no_contact, nullptr, history);
   PotentialValue value;
   State moved = state;
   Eigen::VectorXd step(here.unknowns->count());

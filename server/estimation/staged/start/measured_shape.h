@@ -36,7 +36,7 @@ class MeasuredShape {
 
   [[nodiscard]] bool fill(std::size_t frame, mechanics::State& state);
   [[nodiscard]] bool settle(std::size_t frame, const Eigen::VectorXd& parameters,
-                            mechanics::State& state);
+                            mechanics::State& state, const mechanics::History* history = nullptr);
 
   /// Unknowns and a factor with their pattern, of the frame's boundary.
   struct Site {

@@ -188,6 +188,7 @@ TEST(Caveats, NothingIsSilent) {
   EXPECT_TRUE(has(CaveatKind::rows_left_out, "curve", "1 of 40"));
   for (std::size_t i = 1; i < list.size(); ++i) EXPECT_LE(list[i - 1].kind, list[i].kind);
   EXPECT_EQ(words_of(CaveatKind::wrong_form), "wrong_form");
+  EXPECT_EQ(words_of(CaveatKind::gains_work), "gains_work");
 }
 
 }  // namespace

@@ -15,12 +15,13 @@ namespace tenter::mechanics {
 
 enum class Body { cloth, solid };
 
-/// The presets that such a body can have, no two parameters alike; on cloth with values at which
+/// The presets without memory that such a body can have, no two parameters alike; on cloth with values at which
 /// every term weighs about the same on a mesh of 5 cm edges.
 inline std::vector<model::Model> presets_of(Body body) {
   std::vector<model::Model> models;
   for (const std::string& name : model::preset_names()) {
     model::Model model = model::preset(name).value();
+    if (model::remembers_path(model)) continue;
     bool solid = false;
     double factor = 1.0;
     for (model::Term& term : model.terms) {

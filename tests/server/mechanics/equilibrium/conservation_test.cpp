@@ -33,6 +33,7 @@ std::vector<Elastic> elastic_models() {
   std::vector<Elastic> list;
   for (const std::string& name : model::preset_names()) {
     model::Model description = model::preset(name).value();
+    if (model::remembers_path(description)) continue;
     bool is_solid = false;
     double factor = 1.0;
     for (model::Term& term : description.terms) {

@@ -269,7 +269,7 @@ Expected<ProfileCurve> ProfileCurve::fitted(const std::vector<ContourPoint>& poi
                            2.0 * unknowns * (unknowns + 1.0) / std::max(1.0, rows - unknowns - 1);
       if (score >= best_score) continue;
       best_score = score;
-      chosen = intervals + intervals / 2;
+      chosen = 2 * intervals;
       best = std::move(curve);
     }
   }

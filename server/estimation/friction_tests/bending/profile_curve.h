@@ -8,8 +8,8 @@
 //
 // The spline is of the direction and not of the coordinates: its length is the strip's own, circles
 // and spirals are followed exactly, and curvature is its first derivative. It is fitted to the
-// distances of the points across the curve (their places along it are unknown), with half as
-// many intervals again as the points call for (Akaike, corrected): what a smooth curve rounds off
+// distances of the points across the curve (their places along it are unknown), with twice
+// as many intervals as the points call for (Akaike, corrected): what a smooth curve rounds off
 // must be small beside its scatter, for that is what is told of it. Gravity points along -y; T is
 // the torque per width that turns the part from s to the free end counterclockwise, as kappa
 // counts.

@@ -72,14 +72,24 @@ PathStatus TorqueErrors::set_reference(const Eigen::VectorXd& parameters) {
     torques_ = torques + errors;
     status = predict(profile.anchor, parameters);
     if (status != PathStatus::ok) return status;
-    const Eigen::VectorXd compliances = (strains_ - below).cwiseQuotient(2.0 * errors);
+    const Eigen::VectorXd above = strains_;
+    torques_ = torques;
+    status = predict(profile.anchor, parameters);
+    if (status != PathStatus::ok) return status;
+    const Eigen::VectorXd compliances = (above - below).cwiseQuotient(2.0 * errors);
+    const Eigen::VectorXd bends = (above - 2.0 * strains_ + below).cwiseAbs();
     Eigen::MatrixXd scatter = -profile.strain_scatter;
     for (Eigen::Index k = 0; k < scatter.rows(); ++k)
       for (Eigen::Index q = 0; q < kTorquesPerSample; ++q) {
         const Eigen::Index at = k * kTorquesPerSample + q;
         scatter.row(k) += (compliances[at] / kTorquesPerSample) * profile.torque_scatter.row(at);
       }
-    const Eigen::MatrixXd covariance = scatter * scatter.transpose();
+    Eigen::MatrixXd covariance = scatter * scatter.transpose();
+    // what is not linear in the errors, as beside a snap, says nothing of the neighbours
+    for (Eigen::Index k = 0; k < scatter.rows(); ++k) {
+      const double bend = bends.segment(k * kTorquesPerSample, kTorquesPerSample).mean();
+      covariance(k, k) += bend * bend;
+    }
     factors[i] = covariance.llt().matrixL();
   }
   factors_ = std::move(factors);

@@ -9,7 +9,8 @@
 // way are passed in a snap. Cantilevers go from flat to T. The errors of T and eps come from the
 // same noisy contour; together they make the covariance of a profile's rows, with which they are
 // whitened, at the parameters that were given last to set_reference(). What an error of T does is
-// taken over one standard deviation to either side: beside a snap that is far more than the slope.
+// taken over one standard deviation to either side, and what of that is not linear is added as a
+// scatter of its own: beside a snap both are large, and the sample hardly counts.
 //
 // One row per kept sample, blocks are strips of one radius. Exact Jacobian (the whitening held).
 // Cost: about 4 evaluations of the laws per torque. One thread per object.

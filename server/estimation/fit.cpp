@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/model/catalogue.h"
-#include "server/estimation/least_squares/bounded_marquardt.h"
+#include "server/estimation/least_squares/bounded/bounded_marquardt.h"
 #include "server/estimation/least_squares/covariance.h"
 #include "server/estimation/least_squares/dissipation.h"
 #include "server/estimation/least_squares/gauss_newton.h"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "server/estimation/staged/start/bounded_least_squares.h"
+#include "server/estimation/least_squares/bounded/bounded_least_squares.h"
 #include "server/mechanics/laws/dahl.h"
 
 namespace tenter::estimation {

@@ -6,9 +6,9 @@
 #include <limits>
 #include <memory>
 
+#include "server/estimation/least_squares/bounded/bounded_least_squares.h"
 #include "server/estimation/sequences/observations.h"
 #include "server/estimation/staged/resting_frames.h"
-#include "server/estimation/staged/start/bounded_least_squares.h"
 #include "server/estimation/staged/start/measured_shape.h"
 
 namespace tenter::estimation {

@@ -7,10 +7,10 @@
 
 #include "common/model/catalogue.h"
 #include "common/model/presets.h"
+#include "server/estimation/least_squares/bounded/bounded_least_squares.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/staged/splines/strain_histogram.h"
-#include "server/estimation/staged/start/bounded_least_squares.h"
 #include "server/mechanics/law.h"
 #include "tests/server/estimation/staged/small_rig.h"
 

@@ -15,8 +15,8 @@ namespace tenter::mechanics {
 
 enum class Body { cloth, solid };
 
-/// The presets without memory that such a body can have, no two parameters alike; on cloth with values at which
-/// every term weighs about the same on a mesh of 5 cm edges.
+/// The presets without memory that such a body can have, no two parameters alike; on cloth with
+/// values at which every term weighs about the same on a mesh of 5 cm edges.
 inline std::vector<model::Model> presets_of(Body body) {
   std::vector<model::Model> models;
   for (const std::string& name : model::preset_names()) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/estimation/least_squares/bounded_marquardt.h"
+#include "server/estimation/least_squares/bounded/bounded_marquardt.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "server/estimation/staged/start/bounded_least_squares.h"
+#include "server/estimation/least_squares/bounded/bounded_least_squares.h"
 
 namespace tenter::estimation {
 namespace {

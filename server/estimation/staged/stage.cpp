@@ -12,6 +12,7 @@
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/staged/splines/strain_histogram.h"
 #include "server/estimation/staged/start/constant_guess.h"
+#include "server/estimation/staged/unseen.h"
 
 namespace tenter::estimation {
 namespace {
@@ -54,6 +55,7 @@ class Stage {
     if (!ties) return tl::unexpected(ties.error());
     if (auto ok = choose_start(start, *ties); !ok) return tl::unexpected(ok.error());
     if (!record_.message.empty()) return record_;
+    if (task_.holds_unseen && are_held(start, task_.terms)) return hold(record_.cost_before);
     auto fitted = fit_curves(start, *ties);
     if (!fitted) return tl::unexpected(fitted.error());
     if (!fitted->result.usable) return skip(fitted->result.message);
@@ -68,10 +70,24 @@ class Stage {
       }
     }
     write_back(*fitted, model);
+    if (task_.holds_unseen && !is_seen(fitted->model, task_.terms, fitted->result)) {
+      hold_at(stand_in(model, sequences_.front().cloth.mesh), task_.terms, model);
+      auto held = tie_terms(model, task_.ties);
+      if (!held) return tl::unexpected(held.error());
+      const auto trial = try_at(model, *held, held->values());
+      return hold(trial ? trial->cost : record_.cost_after);
+    }
     return record_;
   }
 
  private:
+  StageRecord hold(double cost) {
+    record_.done = record_.held = true;
+    record_.cost_after = cost;
+    record_.message = "not seen by the data: held at what stands in for it";
+    return record_;
+  }
+
   StageRecord skip(std::string why) {
     record_.message = std::move(why);
     return record_;

@@ -65,7 +65,10 @@ struct StageTask {
   /// Fitted too, with the control points that they have: terms of an earlier stage that pull where
   /// these do.
   std::vector<std::string> along = {};
-  bool guess = true;           ///< by the equation gap; else from what is there
+  bool guess = true;  ///< by the equation gap; else from what is there
+  /// Where the sequences do not tell the terms, diagonal bending, these are held at what stands in
+  /// for them, here and in later stages (unseen.h).
+  bool holds_unseen = false;
   bool refine = true;          ///< splines get more control points; else as they are
   bool from_one_point = true;  ///< refinement begins with constant stiffness; else with what is
                                ///< there
@@ -78,6 +81,7 @@ struct StageRecord {
   bool done = false;       ///< its values are in the model
   bool converged = false;  ///< the fit that they are from
   bool stopped = false;
+  bool held = false;           ///< what the stage was for is not seen by its sequences
   bool guessed = false;        ///< the equation gap's guess was the better start
   std::string guess_message;   ///< why there was none
   double cost_at_start = 0.0;  ///< with the values that the stage was given

@@ -127,7 +127,9 @@ class StagedFit {
     }
     auto then = whole_.of(changed);
     if (!then) return tl::unexpected(then.error());
-    if (then->is_above(*now_)) {
+    // what is not seen has no better value to go back to, as long as frames rest
+    const bool is_worse = record.held ? then->restless() > now_->restless() : then->is_above(*now_);
+    if (is_worse) {
       record.done = false;
       record.message = put_back(*now_, *then);
       return {};
@@ -217,6 +219,14 @@ std::vector<Wave> plan_stages(const model::Model& model, const std::vector<RoleS
   stretches_too(waves[2][0], Component::stretch_u, Role::stretch_u);
   stretches_too(waves[2][1], Component::stretch_v, Role::stretch_v);
   stretches_too(waves[3][0], Component::shear, Role::shear);
+  const auto is_tied = [&](const std::string& id) {
+    return std::any_of(options.ties.begin(), options.ties.end(), [&](const auto& group) {
+      return std::find(group.begin(), group.end(), id) != group.end();
+    });
+  };
+  StageTask& diagonal = waves.back().front();
+  diagonal.holds_unseen =
+      options.hold_unseen && std::none_of(diagonal.terms.begin(), diagonal.terms.end(), is_tied);
   for (Wave& wave : waves) wave = merged(std::move(wave), options.ties);
   const std::size_t first_pass = waves.size();
   for (std::size_t w = 1; options.repeat && w < first_pass; ++w) {

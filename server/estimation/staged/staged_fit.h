@@ -6,7 +6,8 @@
 //   stretch_u | stretch_v      in parallel, all else as it is
 //   shear                      given stretch
 //   bend_u | bend_v            in parallel
-//   bend_diagonal              from both bending sequences
+//   bend_diagonal              from both bending sequences; on request held at what stands in
+//                              for it (unseen.h) where these do not tell it
 //   shear_again, bend_..again  the same once more from these values, which know of each other
 //   coupled                    all curves and sequences together
 //
@@ -33,9 +34,10 @@ namespace tenter::estimation {
 struct StagedResult;
 
 struct StagedOptions {
-  StageOptions stage;   ///< its threads are those of the whole fit
-  bool repeat = true;   ///< shear and bending once more
-  bool coupled = true;  ///< and all together
+  StageOptions stage;        ///< its threads are those of the whole fit
+  bool repeat = true;        ///< shear and bending once more
+  bool coupled = true;       ///< and all together
+  bool hold_unseen = false;  ///< diagonal bending that the strips do not tell is held (unseen.h)
   /// In the stages before the coupled one, where there is one: frames of a sequence (0: all), and
   /// the least relative fall of the cost (the thesis ends at 1 % of the residual: 0.02). Curves get
   /// their ranges from these frames: too few may miss the largest strains, and the coupled stage

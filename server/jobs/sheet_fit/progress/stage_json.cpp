@@ -41,6 +41,7 @@ json to_json(const StageRecord& record) {
           {"done", record.done},
           {"converged", record.converged},
           {"stopped", record.stopped},
+          {"held", record.held},
           {"guessed", record.guessed},
           {"guess_message", record.guess_message},
           {"cost_at_start", number(record.cost_at_start)},
@@ -66,6 +67,7 @@ StageRecord record_of(const json& value) {
   value.at("done").get_to(record.done);
   value.at("converged").get_to(record.converged);
   value.at("stopped").get_to(record.stopped);
+  record.held = value.value("held", false);
   value.at("guessed").get_to(record.guessed);
   value.at("guess_message").get_to(record.guess_message);
   record.cost_at_start = number_at(value, "cost_at_start");

@@ -10,6 +10,7 @@
 #include "common/model/document.h"
 #include "common/model/presets.h"
 #include "server/estimation/staged/tables/scenario_residual.h"
+#include "server/estimation/staged/unseen.h"
 #include "server/mechanics/law.h"
 #include "tests/server/estimation/staged/small_rig.h"
 
@@ -195,6 +196,77 @@ TEST(StagedFit, SaysWhatItLeftOut) {
   EXPECT_EQ(fit->stages[1].dropped.size(), 4U);
   EXPECT_FALSE(fit->stages[1].message.empty());
   EXPECT_EQ(stage_of(*fit, "shear").message, "there is no sequence");
+}
+
+TEST(StagedFit, HoldsDiagonalBendingThatTheStripsDoNotTell) {
+  model::Model truth = model::preset("cloth_stvk").value();
+  const double values[] = {45.0, 80.0, 9.0, 4e-5, 6e-5, 5e-5};
+  for (std::size_t t = 0; t < 6; ++t) truth.terms[t].law.parameters[0].value = values[t];
+  RigOptions rig;
+  rig.frames = 3;
+  rig.point_sigma_m = 0.1;  // what was seen is right, but worth nothing
+  rig.noise = 0.0;
+  auto measured = measured_in_rig(truth, rig);
+  measured.erase(measured.begin(), measured.begin() + 3);  // strips alone
+  StagedOptions options = with_threads(1);
+  options.stage.first_guess = false;
+  options.coupled = options.repeat = false;
+  options.hold_unseen = true;
+  const auto fit = staged_fit(truth, measured, options);
+  ASSERT_TRUE(fit) << fit.error().message;
+  const StageRecord& stage = stage_of(*fit, "bend_diagonal");
+  EXPECT_TRUE(stage.held && stage.done) << stage.message;
+  EXPECT_EQ(stage.message, "not seen by the data: held at what stands in for it");
+  EXPECT_FALSE(stage_of(*fit, "bend_u").held);
+  const auto k = [&](std::size_t term) { return fit->model.terms[term].law.parameters[0]; };
+  EXPECT_TRUE(k(5).fixed);
+  EXPECT_FALSE(k(5).std_error);
+  EXPECT_FALSE(k(3).fixed || k(4).fixed);
+  EXPECT_GT(k(5).value, 1e-6);
+  EXPECT_NEAR(k(5).value, std::sqrt(k(3).value * k(4).value), 1e-6 * k(5).value);
+  // and stays there in a later stage
+  const auto again = staged_fit(fit->model, measured, options);
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_TRUE(stage_of(*again, "bend_diagonal").held);
+  EXPECT_EQ(again->model.terms[5].law.parameters[0].value, k(5).value);
+}
+
+TEST(Unseen, IsWhatTwoErrorsAreMoreThan) {
+  model::Model model = model::preset("cloth_stvk").value();
+  for (const std::size_t t : {3U, 4U}) model.terms[t].law.parameters[0].value = 0.1;
+  const std::vector<std::string> diagonal = {"bend_diagonal"};
+  FitResult result;
+  result.parameters = Eigen::VectorXd::Constant(6, 1.0);
+  result.std_error = Eigen::VectorXd::Constant(6, 0.4);
+  result.states.assign(6, ParameterState::free);
+  EXPECT_TRUE(is_seen(model, diagonal, result));
+  result.std_error[4] = 9.0;  // of another term
+  EXPECT_TRUE(is_seen(model, diagonal, result));
+  result.std_error[5] = 0.6;
+  EXPECT_FALSE(is_seen(model, diagonal, result));
+  result.parameters[5] = 1e-3;  // surely small, beside the other two
+  result.std_error[5] = 0.04;
+  EXPECT_TRUE(is_seen(model, diagonal, result));
+  result.std_error[5] = 0.0;
+  result.states[5] = ParameterState::at_bound;
+  EXPECT_FALSE(is_seen(model, diagonal, result));
+  result.parameters[5] = 0.0;
+  EXPECT_TRUE(is_seen(model, diagonal, result));
+  result.states[5] = ParameterState::flat;
+  EXPECT_FALSE(is_seen(model, diagonal, result));
+
+  model::Model bent = model;
+  bent.terms[3].law.parameters[0].value = 9e-6;
+  bent.terms[4].law.parameters[0].value = 4e-6;
+  const mechanics::Grid grid{3, 3, 0.1, 0.1};
+  using mechanics::Diagonals;
+  EXPECT_NEAR(stand_in(bent, mechanics::grid_mesh(grid, Diagonals::one).value()), 6e-6, 1e-18);
+  EXPECT_EQ(stand_in(bent, mechanics::grid_mesh(grid, Diagonals::both).value()), 0.0);
+  EXPECT_FALSE(are_held(bent, diagonal));
+  hold_at(6e-6, diagonal, bent);
+  EXPECT_TRUE(are_held(bent, diagonal));
+  EXPECT_EQ(bent.terms[5].law.parameters[0].value, 6e-6);
+  EXPECT_FALSE(bent.terms[4].law.parameters[0].fixed);
 }
 
 TEST(StagedFit, PutsBackAStageThatIsWorseForAllSequencesTogether) {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <tuple>
 
 #include "server/estimation/least_squares/dissipation.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
@@ -22,8 +21,10 @@ using testing::rubbing_values;
 constexpr int kA = 6, kB = 7, kTau = 9;
 
 TEST(FrictionBound, IsWhereTheDissipationBreaks) {
-  for (const auto& [a, c, tau] :
-       {std::tuple{0.5, 0.0, 0.01}, std::tuple{0.5, 40.0, 0.01}, std::tuple{0.01, 60.0, 0.02}}) {
+  for (const Eigen::Vector3d& at :
+       {Eigen::Vector3d(0.5, 0.0, 0.01), Eigen::Vector3d(0.5, 40.0, 0.01),
+        Eigen::Vector3d(0.01, 60.0, 0.02)}) {
+    const double a = at[0], c = at[1], tau = at[2];
     const GrowthBound bound = growth_bound(a, c, tau);
     ASSERT_GT(bound.b, 0.0);
     const double below[] = {a, 0.999 * bound.b, c, tau}, above[] = {a, 1.001 * bound.b, c, tau};

@@ -272,12 +272,14 @@ Solver read_solver(const Node& node) {
 }
 
 Dynamics read_dynamics(const Node& node) {
-  node.expect_object({"step_s", "scheme", "error_m", "damping_s", "linearised", "start"});
+  node.expect_object(
+      {"step_s", "scheme", "error_m", "damping_s", "self_contact_m", "linearised", "start"});
   Dynamics dynamics;
   dynamics.step_s = node.number_or("step_s", dynamics.step_s);
   if (node.has("scheme")) dynamics.scheme = one_of(node["scheme"], {"bdf2", "implicit_euler"});
   dynamics.error_m = node.number_or("error_m", 0.0);
   dynamics.damping_s = node.number_or("damping_s", 0.0);
+  dynamics.self_contact_m = node.number_or("self_contact_m", 0.0);
   if (node.has("linearised")) dynamics.is_linearised = node["linearised"].boolean();
   if (node.has("start"))
     dynamics.from_rest = one_of(node["start"], {"as_placed", "equilibrium"}) == "equilibrium";

@@ -195,6 +195,7 @@ struct Dynamics {
   std::string scheme = "bdf2";  ///< bdf2 or implicit_euler
   double error_m = 0.0;         ///< of one step, which it follows; 0: steps are as long as they may
   double damping_s = 0.0;       ///< Baraff and Witkin's: this time its stiffness, for every strain
+  double self_contact_m = 0.0;  ///< thickness at which a sheet keeps off itself; 0: it may pass
   bool is_linearised = false;   ///< one linear system a step, for comparison
   bool from_rest = false;       ///< frame 0 is the equilibrium; else the start as it is placed
 };

@@ -253,7 +253,13 @@ void check_solver(const Solver& solver, Check& check) {
   check.positive(solver.contact_depth_m, "solver.contact_depth_m");
 }
 
-void check_dynamics(const Dynamics& dynamics, Check& check) {
+void check_dynamics(const Scene& scene, Check& check) {
+  const Dynamics& dynamics = *scene.dynamics;
+  check.not_negative(dynamics.self_contact_m, "dynamics.self_contact_m");
+  check.that(dynamics.self_contact_m == 0.0 || !is_solid(scene.mesh), "dynamics.self_contact_m",
+             "is for sheets");
+  check.that(dynamics.self_contact_m == 0.0 || !dynamics.is_linearised, "dynamics.linearised",
+             "linearised steps cannot keep a sheet from passing through itself");
   check.positive(dynamics.step_s, "dynamics.step_s");
   check.not_negative(dynamics.error_m, "dynamics.error_m");
   check.not_negative(dynamics.damping_s, "dynamics.damping_s");
@@ -294,7 +300,7 @@ Expected<void> validate(const Scene& scene) {
   check.that(frames <= kMostFrames, "protocol",
              "has more than " + std::to_string(kMostFrames) + " frames");
   check_solver(scene.solver, check);
-  if (scene.dynamics) check_dynamics(*scene.dynamics, check);
+  if (scene.dynamics) check_dynamics(scene, check);
   return check.result();
 }
 

@@ -5,7 +5,7 @@
 //   Potential potential(model, parameters, boundary, unknowns, loads, contact, limits, history,
 //   &inertia);
 //
-// Implementations are callable from any thread and allocate nothing after the first call.
+// Const members are callable from any thread and allocate nothing after the first call.
 #pragma once
 
 #include <Eigen/Core>
@@ -34,6 +34,11 @@ class NodeEnergy {
   /// `positive_share`: how much of the stiffness that is never positive is left out, 0 to 1.
   virtual void add(const Eigen::VectorXd& x, const LoadOutput& output,
                    double positive_share) const = 0;
+  /// Asked before every step of a minimisation: how much of the way from `from` to `to` may be
+  /// gone. What follows is evaluated between both.
+  virtual double longest_fraction(const Eigen::VectorXd& /*from*/, const Eigen::VectorXd& /*to*/) {
+    return 1.0;
+  }
   /// What it does to free clips besides their nodes.
   virtual const std::vector<ClipSpring>& clip_springs() const = 0;
 };

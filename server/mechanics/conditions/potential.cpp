@@ -10,7 +10,7 @@ Potential::Potential(const MeshModel& of_model, const Eigen::VectorXd& at_parame
                      const Boundary& of_boundary, const Unknowns& of_unknowns,
                      const Loads& of_loads, const Contact& of_contact,
                      const EnergyLimitState* of_limits, const History* from_history,
-                     const NodeEnergy* of_inertia)
+                     NodeEnergy* of_inertia)
     : model(of_model),
       parameters(at_parameters),
       boundary(of_boundary),

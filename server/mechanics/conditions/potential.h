@@ -41,7 +41,7 @@ class Potential {
   Potential(const MeshModel& model, const Eigen::VectorXd& parameters, const Boundary& boundary,
             const Unknowns& unknowns, const Loads& loads, const Contact& contact,
             const EnergyLimitState* limits = nullptr, const History* history = nullptr,
-            const NodeEnergy* inertia = nullptr);
+            NodeEnergy* inertia = nullptr);
 
   const MeshModel& model;
   const Eigen::VectorXd& parameters;
@@ -51,7 +51,7 @@ class Potential {
   const Contact& contact;
   const EnergyLimitState* limits;  ///< null: the model's energy limits are not enforced
   const History* history;          ///< null: as never strained before
-  const NodeEnergy* inertia;       ///< null: equilibrium
+  NodeEnergy* inertia;             ///< of a time step, or more of its kind; null: equilibrium
 
   /// False where the energy or a derivative is not finite.
   [[nodiscard]] bool evaluate(const State& state, PotentialValue& value) const;
@@ -59,6 +59,10 @@ class Potential {
   /// ModelOutput.
   [[nodiscard]] bool evaluate_with_stiffness(const State& state, double positive_share,
                                              PotentialValue& value) const;
+  /// How much of the way a step of a minimisation may go (node_energy.h).
+  double longest_fraction(const State& from, const State& to) const {
+    return inertia ? inertia->longest_fraction(from.x, to.x) : 1.0;
+  }
   /// Energy alone (J); not finite where the model has none.
   double energy_J(const State& state) const;
 

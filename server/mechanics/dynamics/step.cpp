@@ -108,6 +108,8 @@ Expected<void> TimeStepper::check_input(const Eigen::VectorXd& parameters, const
         !ok)
       return ok;
   if (auto ok = check_options(options); !ok) return ok;
+  if (options.is_linearised && added_.self_contact)
+    return bad_input("a linearised step cannot keep a sheet from passing through itself");
   return mechanics::check(input.loads, boundary_, model_->node_count());
 }
 
@@ -118,18 +120,21 @@ Expected<StepResult> TimeStepper::step(const Eigen::VectorXd& parameters, const 
   start_step(options.scheme, boundary_, motion, input.duration_s, start_);
   if (!start_history(parameters, input.duration_s, motion))
     return fail(ErrorKind::refused, "what the material remembers of its start is no number");
-  inertia_.set(boundary_, input.loads.node_mass_kg, start_);
+  added_.inertia.set(boundary_, input.loads.node_mass_kg, start_);
   const Potential potential(
       *model_, parameters, boundary_, *unknowns_, input.loads, rounds_.contact(),
-      model_->limited_count() > 0 ? &rounds_.limits() : nullptr, &history_, &inertia_);
+      model_->limited_count() > 0 ? &rounds_.limits() : nullptr, &history_, &added_);
   end_ = motion.at;
   for (std::size_t c = 0; c < input.clips.size(); ++c)
     if (!boundary_.clips[c].is_free) end_.clips[c] = input.clips[c];
   place_clips(boundary_, end_);
-  start_constraints(potential, input, options);
-
   StepResult result;
   result.order = start_.order;
+  if (added_.longest_fraction(motion.at.x, end_.x) < 1.0) {
+    result.last.end = MinimiseEnd::no_descent;  // the clips alone push the sheet through itself
+    return result;
+  }
+  start_constraints(potential, input, options);
   if (options.is_linearised)
     result.last.end = solve_linearised(potential, motion.at, result);
   else
@@ -193,8 +198,11 @@ void TimeStepper::solve(const Potential& potential, const StepInput&, const Step
   for (const int node : unknowns_->free_nodes())
     work_.trial_state.x.segment<3>(3 * static_cast<Eigen::Index>(node)) =
         start_.guess_m.segment<3>(3 * static_cast<Eigen::Index>(node));
-  if (potential.energy_J(work_.trial_state) < potential.energy_J(end_))
+  if (potential.longest_fraction(end_, work_.trial_state) == 1.0 &&
+      potential.energy_J(work_.trial_state) < potential.energy_J(end_))
     std::swap(end_, work_.trial_state);
+  else if (added_.self_contact)
+    added_.self_contact->begin(end_.x);
   result.evaluations += 2;
   MinimiseOptions how;
   how.tolerance_N = options.tolerance_N;
@@ -235,7 +243,7 @@ MinimiseEnd TimeStepper::solve_linearised(const Potential& potential, const Stat
   if (!work_.sum.isZero(0.0)) {
     value.node_stiffness.multiply_add(work_.sum.data(), value.by_node.data());
     unknowns_->reduce_gradient(potential.loads, start, value.by_node, value.by_unknown);
-    for (const ClipSpring& spring : inertia_.clip_springs())
+    for (const ClipSpring& spring : added_.clip_springs())
       unknowns_->add_spring_gradient(spring, start, value.by_unknown);
   }
   work_.step.resize(unknowns_->count());

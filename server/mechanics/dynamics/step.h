@@ -26,10 +26,11 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/error.h"
-#include "server/mechanics/dynamics/inertia.h"
+#include "server/mechanics/dynamics/step_energy.h"
 #include "server/mechanics/equilibrium/constraint_rounds.h"
 #include "server/mechanics/equilibrium/minimise.h"
 
@@ -87,6 +88,10 @@ class TimeStepper {
   Expected<StepResult> step(const Eigen::VectorXd& parameters, const StepInput& input,
                             Motion& motion, const StepOptions& options = {});
 
+  /// From now on the sheet does not pass through itself (contact/self_contact.h). Steps in which
+  /// what is prescribed would make it are not good; linearised ones are refused.
+  void keep_apart(SelfContact contact) { added_.self_contact = std::move(contact); }
+
   const MeshModel& model() const { return *model_; }
   const Boundary& boundary() const { return boundary_; }
   const Unknowns& unknowns() const { return *unknowns_; }
@@ -119,7 +124,7 @@ class TimeStepper {
   bool has_rounds_ = false;
   double penalty_N_m_ = 0.0;  ///< of contact, at the start of every step
   StepStart start_;
-  Inertia inertia_;
+  StepEnergy added_;
   MinimiseWorkspace work_;
   History history_;  ///< of the step that is being solved
   State end_;        ///< of the step that is being solved

@@ -104,6 +104,7 @@ class Newton {
       solve_for_step();
       if (potential_.unknowns.longest_move_m(work_.step) > max_move_) return;
       potential_.unknowns.move(state_, work_.step, 1.0, work_.trial_state);
+      if (potential_.longest_fraction(state_, work_.trial_state) < 1.0) return;
       if (!evaluate_forces(work_.trial_state, work_.trial) ||
           work_.trial.net_force_N > kFastDecrease * work_.current.net_force_N)
         return;
@@ -137,10 +138,14 @@ class Newton {
   std::optional<MinimiseEnd> take_step() {
     const double slope = work_.current.by_unknown.dot(work_.step);
     const double longest = potential_.unknowns.longest_move_m(work_.step);
-    const double first = longest <= max_move_ ? 1.0 : max_move_ / longest;
+    double first = longest <= max_move_ ? 1.0 : max_move_ / longest;
     const double share = share_;
     if (first == 1.0) share_ = share < kShareOfExact ? 0.0 : kShareDecay * share;
     potential_.unknowns.move(state_, work_.step, first, work_.trial_state);
+    if (const double free = potential_.longest_fraction(state_, work_.trial_state); free < 1.0) {
+      first *= free;
+      potential_.unknowns.move(state_, work_.step, first, work_.trial_state);
+    }
     // forces and stiffness at once: most first trials are taken
     const bool is_finite = options_.reuse_factor && share_ == 0.0
                                ? evaluate_forces(work_.trial_state, work_.trial)

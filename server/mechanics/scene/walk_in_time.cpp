@@ -29,6 +29,15 @@ StepLength length_of(const scene::Scene& scene) {
   return length;
 }
 
+/// So stiff that a vertex pressed to half of the thickness bears ten of its weights.
+Expected<SelfContact> self_contact_of(const SceneBody& body, double thickness_m) {
+  const auto* cloth = std::get_if<Cloth>(&body.mesh);
+  if (!cloth) return bad_input("is for sheets");
+  constexpr double kWeights = 10.0, kGravity_m_s2 = 9.81, kAtHalf = 1.2;  // self_contact.h
+  const double weight_N = kGravity_m_s2 * body.node_mass_kg.mean();
+  return SelfContact::make(cloth->mesh, thickness_m, kWeights * weight_N / (kAtHalf * thickness_m));
+}
+
 }  // namespace
 
 StepInput SceneRun::input_at(const Levels& levels) const {
@@ -95,6 +104,12 @@ Expected<SceneEnd> SceneRun::walk_in_time(const SceneHooks& hooks) {
   is_new_ = true;
   auto stepper = TimeStepper::make(*model_, set_up_.boundary, set_up_.obstacles);
   if (!stepper) return tl::unexpected(stepper.error());
+  if (const double thickness_m = scene_.dynamics->self_contact_m; thickness_m > 0.0) {
+    auto contact = self_contact_of(body_, thickness_m);
+    if (!contact)
+      return fail(contact.error().kind, "dynamics.self_contact_m: " + contact.error().message);
+    stepper->keep_apart(std::move(*contact));
+  }
   const auto stop = [&](const std::string& reason) {
     end.how = was_stopped_ ? SceneEnd::How::stopped : SceneEnd::How::failed;
     if (!was_stopped_) end.reason = reason;

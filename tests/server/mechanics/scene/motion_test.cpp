@@ -111,6 +111,24 @@ TEST(SceneMotion, ClipsAndObstaclesFollowTheScript) {
   EXPECT_GT(highest_m, 0.01) << "it lies on the sphere";
 }
 
+/// The upper edge is turned down beside the lower part, nearer than the thickness.
+TEST(SceneMotion, ASheetKeepsOffItself) {
+  const Walk done = walk(R"("start": {"place": "vertical"}, "clips": [
+        {"id": "low", "nodes": {"box_m": [[0, 0], [0.1, 0.03]]}},
+        {"id": "high", "nodes": "top"}],
+      "gravity_m_s2": [0, 0, 0],
+      "dynamics": {"step_s": 0.004, "scheme": "implicit_euler", "self_contact_m": 0.004},
+      "protocol": [{"name": "fold", "frames": 20, "duration_s": 0.4, "motions":
+          [{"clip": "high", "turn_rad": [3.1, 0, 0], "about_m": [0.05, 0, 0.05]}]}])");
+  const Cloth cloth = cloth_of_grid({6, 6, 0.1, 0.1}, Diagonals::alternating).value();
+  auto contact = SelfContact::make(cloth.mesh, 0.004, 1.0).value();
+  double nearest_m = 0.004;
+  for (const SceneFrame& frame : done.frames)
+    nearest_m = std::min(nearest_m, contact.nearest_m(frame.state.x));
+  EXPECT_GT(nearest_m, 0.0);
+  EXPECT_LT(nearest_m, 0.0025) << "the clips end 2.1 mm apart";
+}
+
 TEST(SceneMotion, SaysWhatDoesNotFit) {
   const std::string phase = R"("protocol": [{"name": "p", "frames": 1)";
   for (const auto& [members, says] :
@@ -118,6 +136,9 @@ TEST(SceneMotion, SaysWhatDoesNotFit) {
         std::pair{phase + R"(, "duration_s": 1}])", "dynamics"},
         std::pair{R"("dynamics": {"step_s": 0}, )" + phase + R"(, "duration_s": 1}])",
                   "dynamics.step_s"},
+        std::pair{R"("dynamics": {"self_contact_m": 0.001, "linearised": true}, )" + phase +
+                      R"(, "duration_s": 1}])",
+                  "linearised"},
         std::pair{R"("dynamics": {"scheme": "rk4"}, )" + phase + R"(, "duration_s": 1}])", "bdf2"},
         std::pair{R"("dynamics": {}, )" + phase +
                       R"(, "duration_s": 1, "obstacles": [{"obstacle": 0, "move_m": [0, 0, 1]}]}])",

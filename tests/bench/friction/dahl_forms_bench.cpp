@@ -26,7 +26,6 @@
 namespace {
 
 using namespace tenter;
-using mechanics::FrictionMaximum;
 
 using Form = std::function<double(double e0, double s0, double e1, const Eigen::VectorXd& p)>;
 

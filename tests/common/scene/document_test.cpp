@@ -29,21 +29,25 @@ const char* const kFull = R"({
      "mass_kg": 0.01, "centre_of_mass_m": [0, 0, -0.01],
      "cords": [{"id": "a", "at_m": [0.1, 0, 0], "force_N": [1, 2, 3]}]}],
   "obstacles": [{"kind": "plane", "point_m": [0, 0, -1], "normal": [0, 0, 2]},
-                {"kind": "cylinder", "point_m": [0, 0, 0], "axis": [0, 1, 0], "radius_m": 0.02}],
+                {"kind": "cylinder", "point_m": [0, 0, 0], "axis": [0, 1, 0], "radius_m": 0.02},
+                {"kind": "sphere", "point_m": [0, 0, 1], "radius_m": 0.03}],
   "weights": [{"id": "w", "nodes": {"box_m": [[0, 0], [0.1, 0.1]]}, "mass_kg": 0.1}],
   "forces": [{"id": "f", "nodes": [0, 1], "force_N": [0, 0, 1]}],
   "pressure": {"nodes": {"beyond": {"point_m": [0.1, 0], "direction": [1, 0]}}, "pressure_Pa": 3},
   "protocol": [
-    {"name": "go", "frames": 3,
+    {"name": "go", "frames": 3, "duration_s": 0.5,
+     "obstacles": [{"obstacle": 2, "move_m": [0, 0, -0.1]}],
      "motions": [{"clip": "top", "move_m": [0, 0, 1], "turn_rad": [1, 0, 0], "about_m": [1, 1, 1]},
                  {"clip": "top", "turn_rad": [-1, 0, 0]}],
      "cords": [{"clip": "bar", "cord": "a", "force_N": [0, 0, -1]}],
      "weights": [{"weight": "w", "mass_kg": 0.3}],
      "forces": [{"force": "f", "force_N": [1, 0, 0]}],
      "gravity_factor": 1, "pressure_Pa": 10},
-    {"name": "stay", "frames": 2}],
+    {"name": "stay", "frames": 2, "duration_s": 1}],
   "solver": {"tolerance_N": 1e-6, "max_iterations": 100, "minimiser": "relaxation",
-             "check_minimum": false, "contact_depth_m": 1e-5, "most_halvings": 2}
+             "check_minimum": false, "contact_depth_m": 1e-5, "most_halvings": 2},
+  "dynamics": {"step_s": 0.02, "scheme": "implicit_euler", "error_m": 1e-5, "damping_s": 0.01,
+               "self_contact_m": 0.001, "linearised": false, "start": "equilibrium"}
 })";
 
 Json full() {
@@ -99,6 +103,16 @@ TEST(SceneDocument, ReadsEveryKey) {
   EXPECT_EQ(phase.pressure_Pa, 10.0);
   EXPECT_EQ(scene->frame_count(), 6);
   EXPECT_EQ(scene->solver.minimiser, "relaxation");
+  ASSERT_TRUE(scene->dynamics.has_value());
+  EXPECT_EQ(scene->dynamics->step_s, 0.02);
+  EXPECT_EQ(scene->dynamics->scheme, "implicit_euler");
+  EXPECT_EQ(scene->dynamics->error_m, 1e-5);
+  EXPECT_EQ(scene->dynamics->damping_s, 0.01);
+  EXPECT_EQ(scene->dynamics->self_contact_m, 0.001);
+  EXPECT_TRUE(scene->dynamics->from_rest);
+  EXPECT_EQ(scene->protocol[0].duration_s, 0.5);
+  EXPECT_EQ(scene->protocol[0].obstacles[0].obstacle, 2);
+  EXPECT_EQ(std::get<SphereObstacle>(scene->obstacles[2]).radius_m, 0.03);
   EXPECT_FALSE(scene->solver.check_minimum);
   EXPECT_EQ(scene->solver.most_halvings, 2);
 }
@@ -212,7 +226,7 @@ TEST(SceneDocument, TheSchemaFileKnowsTheSameKeys) {
   same(scene, schema["properties"], "scene");
   for (const auto& [key, value] : schema["properties"].items())
     EXPECT_TRUE(scene.contains(key) || key == "density_kg_m3" || key == "mass_kg") << key;
-  for (const char* part : {"start", "pressure", "solver"}) {
+  for (const char* part : {"start", "pressure", "solver", "dynamics"}) {
     const Json& properties = schema["properties"][part]["properties"];
     same(scene[part], properties, part);
     EXPECT_EQ(scene[part].size(), properties.size()) << part;

@@ -150,6 +150,85 @@ TEST(SelfContact, AFoldLiesOnItselfAndNothingPasses) {
   EXPECT_LT(iterations, 60 * 40);
 }
 
+/// Whether the vertex goes through the triangle on the straight way, by many looks at which side it
+/// is on.
+bool passes(const Eigen::VectorXd& from, const Eigen::VectorXd& to, const NearPairs::Pair& pair) {
+  constexpr int kLooks = 40;
+  double before = 0.0;
+  for (int k = 0; k <= kLooks; ++k) {
+    PointAndTriangle x;
+    for (int c = 0; c < 4; ++c) {
+      const auto first = 3 * static_cast<Eigen::Index>(pair[static_cast<std::size_t>(c)]);
+      x.col(c) =
+          from.segment<3>(first) + static_cast<double>(k) / kLooks * (to - from).segment<3>(first);
+    }
+    const Eigen::Vector3d p = x.col(0), a = x.col(1), b = x.col(2), c = x.col(3);
+    const Eigen::Vector3d across = (b - a).cross(c - a);
+    const double side = across.dot(p - a);
+    const bool is_over = across.dot((b - a).cross(p - a)) > 0.0 &&
+                         across.dot((c - b).cross(p - b)) > 0.0 &&
+                         across.dot((a - c).cross(p - c)) > 0.0;
+    if (k > 0 && is_over && side * before < 0.0) return true;
+    before = side;
+  }
+  return false;
+}
+
+/// A strip rolled up as for the spirals of thesis 5.3.3, its inner end held, unrolls while gravity
+/// pulls its turns together.
+TEST(SelfContact, ARolledStripUnrollsWithoutPassingThroughItself) {
+  const Grid grid{4, 81, 0.0075, 0.1};
+  const Sheet sheet(cloth_of_grid(grid, Diagonals::alternating).value(),
+                    linear_model({{"green_u", 60.0},
+                                  {"green_v", 60.0},
+                                  {"green_uv", 20.0},
+                                  {"bend_u", 1e-5},
+                                  {"bend_v", 1e-5},
+                                  {"bend_d", 1e-5}}));
+  const auto contact = SelfContact::make(sheet.cloth.mesh, 0.0005, 0.5);
+  ASSERT_TRUE(contact) << contact.error().message;
+  State state;
+  state.x.resize(3 * static_cast<Eigen::Index>(sheet.nodes()));
+  constexpr double kRadius = 0.004, kPitch = 0.0012 / 6.283185307179586;
+  for (int j = 0; j < grid.nodes_v; ++j) {
+    // turns at which the spiral has this length
+    const double length = 0.1 * j / (grid.nodes_v - 1);
+    const double turn = (std::sqrt(kRadius * kRadius + 2.0 * kPitch * length) - kRadius) / kPitch;
+    const double radius = kRadius + kPitch * turn;
+    for (int i = 0; i < grid.nodes_u; ++i)
+      state.x.segment<3>(3 * static_cast<Eigen::Index>(grid.node(i, j))) << 0.0025 * i,
+          radius * std::cos(turn), radius * std::sin(turn);
+  }
+  Boundary boundary;
+  for (int j = 0; j < 6; ++j)
+    for (int i = 0; i < grid.nodes_u; ++i) boundary.held.push_back(grid.node(i, j));
+  const Loads loads = weight(sheet.cloth.mesh, 0.255);
+  const Script script = [&](double) { return StepInput{0.0, loads, {}, {}}; };
+  int passed[2] = {};
+  for (const bool keeps_apart : {false, true}) {
+    auto stepper = TimeStepper::make(sheet.model, boundary).value();
+    if (keeps_apart) stepper.keep_apart(*contact);
+    Motion motion = at_rest(boundary, state);
+    StepOptions options;
+    options.scheme = TimeScheme::implicit_euler;
+    StepLength length{.largest_s = 0.002};
+    NearPairs pairs(sheet.cloth.mesh);
+    WalkHooks hooks;
+    hooks.on_step = [&](const Motion& now) {
+      pairs.find(now.last_points_m, now.at.x, 0.0);
+      for (const NearPairs::Pair& pair : pairs.list())
+        passed[keeps_apart] += passes(now.last_points_m, now.at.x, pair);
+      return true;
+    };
+    const auto end =
+        walk_until(stepper, sheet.parameters, script, 0.06, options, length, motion, hooks);
+    ASSERT_TRUE(end) << end.error().message;
+    EXPECT_EQ(end->how, WalkEnd::How::complete) << end->reason;
+  }
+  EXPECT_GT(passed[0], 20) << "left alone its turns go through each other";
+  EXPECT_EQ(passed[1], 0);
+}
+
 TEST(SelfContact, DerivativesAndWhatDoesNotFit) {
   Fold fold;
   auto contact = SelfContact::make(fold.sheet.cloth.mesh, 0.0017, 2.0).value();

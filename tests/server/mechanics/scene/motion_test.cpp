@@ -6,6 +6,7 @@
 
 #include "common/model/presets.h"
 #include "common/scene/document.h"
+#include "common/scene/examples.h"
 #include "server/mechanics/scene/run.h"
 
 namespace tenter::mechanics {
@@ -109,6 +110,31 @@ TEST(SceneMotion, ClipsAndObstaclesFollowTheScript) {
     highest_m = std::max(highest_m, last.state.x[n + 2]);
   }
   EXPECT_GT(highest_m, 0.01) << "it lies on the sphere";
+}
+
+TEST(SceneMotion, TheShippedSquareSwings) {
+  const auto scene = scene::parse_scene(scene::example_json("swinging_square").value(), "shipped");
+  ASSERT_TRUE(scene) << scene.error().message;
+  auto run = SceneRun::make(*scene, model::preset("cloth_stvk").value());
+  ASSERT_TRUE(run) << run.error().message;
+  double lowest_m = 0.0, fastest_J = 0.0, first_J = 0.0;
+  SceneHooks hooks;
+  hooks.on_frame = [&](const SceneFrame& frame) {
+    const double total_J = frame.energy_J + frame.instant->kinetic_J;
+    if (frame.number == 0) first_J = total_J;
+    if (frame.phase <= 0) {
+      EXPECT_LE(total_J, first_J + 1e-6) << frame.number;
+    }
+    fastest_J = std::max(fastest_J, frame.instant->kinetic_J);
+    for (Eigen::Index n = 2; n < frame.state.x.size(); n += 3)
+      lowest_m = std::min(lowest_m, frame.state.x[n]);
+  };
+  const auto end = run->walk(hooks);
+  ASSERT_TRUE(end) << end.error().message;
+  EXPECT_EQ(end->how, SceneEnd::How::complete) << end->reason;
+  EXPECT_EQ(end->frames, 76);
+  EXPECT_LT(lowest_m, -0.4) << "it hangs down half a metre";
+  EXPECT_GT(fastest_J, 0.05);
 }
 
 /// The upper edge is turned down beside the lower part, nearer than the thickness.

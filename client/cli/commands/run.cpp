@@ -55,7 +55,8 @@ struct Draft {
   std::string leave_out;
   int max_effects = -1;
   std::vector<std::string> sets;
-  std::string scene;  ///< simulate: instead of captures
+  std::string protocol;  ///< fit: a test with a way of its own
+  std::string scene;     ///< simulate: instead of captures
 };
 
 Expected<void> start_scene(Context& context, const Draft& draft) {
@@ -74,6 +75,11 @@ Expected<void> start(Context& context, Draft& draft) {
   if (!draft.scene.empty()) return start_scene(context, draft);
   if (draft.run.captures.empty())
     return bad_input("what is to be simulated: captures, or a scene (--scene)?");
+  if (!draft.protocol.empty()) {
+    if (!draft.run.model.empty() || !draft.leave_out.empty())
+      return bad_input("--protocol has its own model, and leaves nothing out");
+    draft.run.options["protocol"] = draft.protocol;
+  }
   if (draft.run.model.empty()) draft.run.model = kUsualModel;
   nlohmann::json& options = draft.run.options;
   if (draft.seed >= 0) options["seed"] = draft.seed;
@@ -184,12 +190,22 @@ void add_fit(CLI::App& app, Context& context) {
               "take long; if its worker or the server is killed it goes on after the last finished "
               "stage, with the same result. `tenter residuals last --vertices` prints what is left "
               "at the vertices.\n"
+              "\n"
+              "--protocol hanging-weights: one capture of weights and lengths along weft or warp; "
+              "stiffness k1 + k2 eps, friction a + b eps and tau with 95 % intervals, or a word in "
+              "place of a number that the data do not tell (key friction_test with --json).\n"
               "EXAMPLES\n"
               "    tenter fit pull.h5 --model stvk_orthotropic_spline --save-model fitted.json\n"
               "    tenter --json fit pull.h5 | jq '.parameters'\n"
+              "    tenter fit warp.h5 --protocol hanging-weights --report friction.html\n"
               "    tenter fit u.h5 v.h5 --role u.h5=stretch_u --role v.h5=stretch_v --report "
               "fit.html\n",
               draft);
+  command
+      ->add_option("--protocol", draft->protocol,
+                   "How the captures were made, where that has a fit of its own.")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"hanging-weights"}));
   auto sheet = std::make_shared<SheetFitDraft>();
   add_sheet_fit_options(*command, *sheet);
   draft->run.complete_options = [sheet, names = &draft->run.captures](

@@ -10,6 +10,7 @@
 #include "common/capture/file/capture_file.h"
 #include "common/model/document.h"
 #include "server/diagnosis/diagnose.h"
+#include "server/jobs/friction_test/run_friction_test.h"
 #include "server/jobs/results/result_document.h"
 #include "server/jobs/scene/run_scene.h"
 #include "server/jobs/sheet_fit/run_sheet_fit.h"
@@ -86,6 +87,11 @@ Expected<bool> are_sheets(const Captures& captures, const std::string& kind) {
   return true;
 }
 
+bool has_protocol(const json& spec) {
+  return spec.contains("options") && spec["options"].is_object() &&
+         spec["options"].contains("protocol");
+}
+
 Expected<diagnosis::Request> read_request(Captures captures, const json& spec) {
   diagnosis::Request request;
   auto model = model::parse_model(spec.at("model").dump(), "model");
@@ -121,6 +127,10 @@ Expected<void> run_job(const JobInput& input, const std::function<void(const Job
   const auto sheets = are_sheets(*captures, kind);
   if (!sheets) return tl::unexpected(sheets.error());
   if (*sheets) return run_sheet_fit(input, spec, std::move(*captures), report, stop);
+  if (has_protocol(spec)) {
+    if (kind != "fit") return bad_input("options.protocol: only a fit has one");
+    return run_friction_test(input, spec, std::move(*captures), report, stop);
+  }
   auto request = read_request(std::move(*captures), spec);
   if (!request) return tl::unexpected(request.error());
 

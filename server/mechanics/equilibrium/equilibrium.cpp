@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/mechanics/equilibrium/lowest_mode.h"
+#include "server/mechanics/equilibrium/option_check.h"
 
 namespace tenter::mechanics {
 namespace {
@@ -22,34 +23,15 @@ bool has_pair(const NodeMatrix& matrix, int i, int j) {
   return std::binary_search(first, last, i);
 }
 
-double mean_diagonal(const SymmetricPattern& pattern, const std::vector<double>& values) {
-  double sum = 0.0;
-  for (int j = 0; j < pattern.size; ++j)
-    sum += values[static_cast<std::size_t>(pattern.column_start[static_cast<std::size_t>(j)])];
-  return sum / pattern.size;
-}
-
 Expected<void> check_options(const EquilibriumOptions& options) {
-  struct Row {
-    const char* name;
-    double value;
-    bool is_good;
-    const char* wanted;
-  };
-  const Row rows[] = {
-      {"tolerance_N", options.tolerance_N, options.tolerance_N >= 0.0, "not negative"},
-      {"max_iterations", static_cast<double>(options.max_iterations), options.max_iterations >= 0,
-       "not negative"},
-      {"max_move_m", options.max_move_m, options.max_move_m >= 0.0, "not negative"},
-      {"contact_depth_m", options.contact_depth_m, options.contact_depth_m > 0.0, "positive"},
-      {"limit_tolerance", options.limit_tolerance, options.limit_tolerance > 0.0, "positive"},
-      {"contact_penalty_N_m", options.contact_penalty_N_m, options.contact_penalty_N_m >= 0.0,
-       "not negative"}};
-  for (const Row& row : rows)
-    if (!row.is_good || !std::isfinite(row.value))
-      return bad_input(std::string("option ") + row.name + " is " + std::to_string(row.value) +
-                       " and must be " + row.wanted + " and finite");
-  return {};
+  using enum OptionRange;
+  return check_numbers(
+      {{"tolerance_N", options.tolerance_N, not_negative},
+       {"max_iterations", static_cast<double>(options.max_iterations), not_negative},
+       {"max_move_m", options.max_move_m, not_negative},
+       {"contact_depth_m", options.contact_depth_m, positive},
+       {"limit_tolerance", options.limit_tolerance, positive},
+       {"contact_penalty_N_m", options.contact_penalty_N_m, not_negative}});
 }
 
 }  // namespace

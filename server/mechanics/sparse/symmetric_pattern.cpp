@@ -76,6 +76,13 @@ SymmetricPattern block_pattern(int nodes, const std::vector<std::vector<int>>& n
   return pattern;
 }
 
+double mean_diagonal(const SymmetricPattern& pattern, const std::vector<double>& values) {
+  double sum = 0.0;
+  for (int j = 0; j < pattern.size; ++j)
+    sum += values[static_cast<std::size_t>(pattern.column_start[static_cast<std::size_t>(j)])];
+  return sum / pattern.size;
+}
+
 void multiply(const SymmetricPattern& pattern, const double* values, const double* x, double* y) {
   std::fill_n(y, pattern.size, 0.0);
   for (int col = 0; col < pattern.size; ++col) {

@@ -39,6 +39,9 @@ SymmetricPattern element_pattern(int size, const std::vector<std::vector<int>>& 
 /// negative numbers are ignored).
 SymmetricPattern block_pattern(int nodes, const std::vector<std::vector<int>>& neighbours);
 
+/// Of the matrix with these values: its scale.
+double mean_diagonal(const SymmetricPattern& pattern, const std::vector<double>& values);
+
 /// y = A x for the matrix with these values: residual checks and products in O(entries).
 void multiply(const SymmetricPattern& pattern, const double* values, const double* x, double* y);
 

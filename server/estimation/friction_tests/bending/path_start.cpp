@@ -65,6 +65,7 @@ std::vector<FrictionValues> path_starts(const std::vector<ProfileSamples>& profi
   if (!(largest > 0.0)) return {};
   std::vector<Candidate> candidates;
   constexpr int kValues = 40;
+  candidates.reserve(kValues);
   for (int i = 0; i < kValues; ++i)
     candidates.push_back(
         at_tau(profiles, largest * 1e-3 * std::pow(1e3, i / (kValues - 1.0)), largest));

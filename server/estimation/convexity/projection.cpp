@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/estimation/convexity/projection.h"
 
+#include <cmath>
 #include <vector>
 
 #include "server/estimation/convexity/nearest_point.h"
@@ -21,6 +22,17 @@ struct Free {
     return all.size() > 0 ? Eigen::MatrixXd(all(at, at)) : all;
   }
 };
+
+/// What is nearer to its start than a solution has digits lies at its start: a term of zeros has no
+/// size by which rounding could be told from a condition that is broken.
+void settle(const Eigen::VectorXd& start, const Eigen::MatrixXd& metric, Eigen::VectorXd& x) {
+  constexpr double kDigits = 1e-11;
+  const Eigen::VectorXd weight = metric.size() > 0 ? Eigen::VectorXd(metric.diagonal().cwiseSqrt())
+                                                   : Eigen::VectorXd::Ones(x.size());
+  const double scale = weight.cwiseProduct(x).cwiseAbs().maxCoeff();
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    if (weight[i] * std::abs(x[i] - start[i]) < kDigits * scale) x[i] = start[i];
+}
 
 }  // namespace
 
@@ -45,11 +57,12 @@ ConvexProjection project_onto_convex(const ConvexityConstraints& constraints,
     for (std::size_t i = 0; i < rows.size(); ++i)
       a.row(static_cast<Eigen::Index>(i)) = free.of(rows[i]).transpose();
     const Eigen::Map<const Eigen::VectorXd> b(least.data(), result.rows);
-    const auto nearest = nearest_point(start, free_metric, a, b);
+    auto nearest = nearest_point(start, free_metric, a, b);
     if (!nearest) {
       result.status = ConvexStatus::infeasible;
       return result;
     }
+    settle(start, free_metric, *nearest);
     result.parameters(free.at) = *nearest;
   }
   result.status = ConvexStatus::no_convergence;

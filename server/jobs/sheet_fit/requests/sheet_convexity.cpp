@@ -95,8 +95,17 @@ bool project(const ConvexityConstraints& constraints, const Eigen::VectorXd& r,
              SequenceEvaluator& evaluator, Eigen::VectorXd& parameters, ConvexFound& result) {
   const Eigen::VectorXd weights = robust_weights(evaluator, loss, r);
   Eigen::MatrixXd metric = j.transpose() * weights.asDiagonal() * j;
-  metric.diagonal().array() += 1e-9 * metric.diagonal().maxCoeff();
-  const auto at = estimation::project_onto_convex(constraints, parameters, metric);
+  // what the data do not tell stays where it is, each parameter by its own size
+  constexpr double kStays = 1e-6;
+  const Eigen::VectorXd size = constraints.sizes(parameters);
+  const double most = metric.diagonal().cwiseProduct(size.cwiseAbs2()).maxCoeff();
+  const double largest = metric.diagonal().maxCoeff();
+  for (Eigen::Index k = 0; k < size.size(); ++k)
+    metric(k, k) += size[k] > 0.0 ? kStays * most / (size[k] * size[k]) : largest;
+  // a distance that weighs directions so differently is met to fewer digits
+  estimation::ProjectionOptions options;
+  options.slack = 0.1 * kRounding;
+  const auto at = estimation::project_onto_convex(constraints, parameters, metric, options);
   result.projections = 1;
   result.message = words_of(at.status);
   if (at.status != ConvexStatus::ok) return false;

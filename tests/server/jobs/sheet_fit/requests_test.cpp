@@ -44,10 +44,13 @@ class Requests : public ::testing::Test {
 
   /// A job on captures of this cloth.
   json specification(const model::Model& cloth) {
-    json spec = {
-        {"kind", "fit"},
-        {"options",
-         {{"staged", false}, {"resolution", 7}, {"start", "model"}, {"held_out", {id_of(3)}}}}};
+    json spec = {{"kind", "fit"},
+                 {"options",
+                  {{"staged", false},
+                   {"resolution", 7},
+                   {"grid", "equal"},
+                   {"start", "model"},
+                   {"held_out", {id_of(3)}}}}};
     int index = 0;
     for (const char* role : {"stretch_u", "stretch_v", "stretch_u"}) {
       testing::SheetCaptureOptions options;

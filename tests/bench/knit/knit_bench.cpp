@@ -253,7 +253,7 @@ Expected<void> run(const std::string& csv, double width_m, const std::string& do
   if (auto ok = fit_and_foretell("one material", fits); !ok) return ok;
 
   MaterialSamples samples = even_samples(2, 1, width_m, data->rest_length_m);
-  samples.terms = {"weft", "warp", "coupling", "shear"};
+  samples.terms = {"warp", "coupling"};
   for (Placed& placed : fits) {
     auto halves = with_samples(placed.model, samples);
     if (!halves) return tl::unexpected(halves.error());

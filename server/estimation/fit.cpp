@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "common/model/catalogue.h"
+#include "server/estimation/least_squares/bounded/bounded_least_squares.h"
 #include "server/estimation/least_squares/bounded/bounded_marquardt.h"
 #include "server/estimation/least_squares/covariance.h"
 #include "server/estimation/least_squares/dissipation.h"
@@ -54,9 +54,8 @@ struct Bounds {
 
 Bounds bounds_of(const std::vector<const model::Parameter*>& parameters,
                  const std::vector<int>& free, const Eigen::VectorXd& scale) {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
-  Bounds bounds{Eigen::VectorXd::Constant(scale.size(), -kNone),
-                Eigen::VectorXd::Constant(scale.size(), kNone)};
+  Bounds bounds{Eigen::VectorXd::Constant(scale.size(), -kNoBound),
+                Eigen::VectorXd::Constant(scale.size(), kNoBound)};
   for (std::size_t i = 0; i < free.size(); ++i) {
     const model::Parameter& p = *parameters[static_cast<std::size_t>(free[i])];
     const auto k = static_cast<Eigen::Index>(i);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "server/estimation/least_squares/bounded/bounded_least_squares.h"
@@ -11,11 +10,10 @@
 namespace tenter::estimation {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::infinity();
-
 double rms_of(AnchoredErrors& errors, const FrictionValues& values) {
   Eigen::VectorXd residuals;
-  if (errors.evaluate(flat(values), residuals, nullptr) != mechanics::PathStatus::ok) return kNone;
+  if (errors.evaluate(flat(values), residuals, nullptr) != mechanics::PathStatus::ok)
+    return kNoBound;
   return std::sqrt(residuals.squaredNorm() /
                    static_cast<double>(std::max<Eigen::Index>(1, residuals.size())));
 }
@@ -30,7 +28,7 @@ void solve_pair(AnchoredErrors& errors, FrictionValues& values, int first, doubl
   BoundedLeastSquares problem(2);
   problem.add(jacobian.middleCols(first, 2), -residuals);
   const Eigen::Vector2d lower(0.0, lower_second);
-  const Eigen::Vector2d upper(kNone, kNone);
+  const Eigen::Vector2d upper(kNoBound, kNoBound);
   const BoundedSolution found = problem.solve(lower, upper);
   p.segment(first, 2) = found.x;
   values = values_of(p);
@@ -46,7 +44,7 @@ double longest_way(const std::vector<AnchoredReading>& readings) {
 void look_for_tau(AnchoredErrors& errors, FrictionValues& values) {
   const double way = longest_way(errors.readings());
   constexpr int kValues = 60;
-  double best = kNone;
+  double best = kNoBound;
   FrictionValues trial = values;
   for (int i = 0; i < kValues; ++i) {
     trial.tau = std::max(way * 1e-3 * std::pow(3e3, i / (kValues - 1.0)), 1e-6);
@@ -73,7 +71,7 @@ AnchoredStart anchored_start(AnchoredErrors& errors, const model::Model& model,
     values.k1 = stiffness->k1;
     values.k2 = stiffness->k2;
   } else {
-    solve_pair(errors, values, kK1, -kNone);
+    solve_pair(errors, values, kK1, -kNoBound);
   }
   keep(values);
   solve_pair(errors, values, kA, 0.0);

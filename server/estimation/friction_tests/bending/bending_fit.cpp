@@ -2,7 +2,6 @@
 #include "server/estimation/friction_tests/bending/bending_fit.h"
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -35,9 +34,8 @@ FrictionValues stiffness_of_cantilevers(const std::vector<ProfileSamples>& profi
   }
   BoundedLeastSquares problem(2);
   problem.add(a, b);
-  constexpr double kNone = std::numeric_limits<double>::infinity();
   const BoundedSolution found =
-      problem.solve(Eigen::Vector2d(0.0, -kNone), Eigen::Vector2d(kNone, kNone));
+      problem.solve(Eigen::Vector2d(0.0, -kNoBound), Eigen::Vector2d(kNoBound, kNoBound));
   values.k1 = found.x[0];
   values.k2 = found.x[1] / scale;
   return values;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "server/estimation/least_squares/bounded/bounded_least_squares.h"
@@ -43,9 +42,8 @@ Candidate at_tau(const std::vector<ProfileSamples>& profiles, double tau, double
     }
     problem.add(a, b);
   }
-  constexpr double kNone = std::numeric_limits<double>::infinity();
   const BoundedSolution found =
-      problem.solve(Eigen::Vector4d::Zero(), Eigen::Vector4d::Constant(kNone));
+      problem.solve(Eigen::Vector4d::Zero(), Eigen::Vector4d::Constant(kNoBound));
   // unknowns are in units in which the columns are alike: k2 as it is, k1 and b over one scale
   const double unit = 1.0 / (scale * scale);
   return {

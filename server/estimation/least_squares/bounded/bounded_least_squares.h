@@ -15,9 +15,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <vector>
 
 namespace tenter::estimation {
+
+/// A bound that holds nothing; with a minus sign below.
+inline constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 struct BoundedSolution {
   Eigen::VectorXd x;

@@ -10,7 +10,7 @@ namespace tenter::estimation {
 
 namespace {
 
-constexpr double kClose = 1e-6;  // of the specimen's extent
+constexpr double kOnLine = 1e-6;  // of the specimen's extent
 
 /// One axis in the making.
 struct Axis {
@@ -41,10 +41,10 @@ struct Axis {
     const double cell = free_m / (grading.cells - 1);
     double last = grading.lo_m - cell;
     for (const SpecimenLayout::Edge& edge : edges) {
-      if (edge.at_m - last < cell * (1.0 - kClose)) continue;
+      if (edge.at_m - last < cell * (1.0 - kOnLine)) continue;
       last = edge.at_m;
-      pass_through(edge.at_m - 0.5 * cell, kClose);
-      pass_through(edge.at_m + 0.5 * cell, kClose);
+      pass_through(edge.at_m - 0.5 * cell, kOnLine);
+      pass_through(edge.at_m + 0.5 * cell, kOnLine);
     }
     const double held = above ? high + cell : low - cell;
     if (held > grading.lo_m && held < grading.hi_m) grading.one_cell_at_m.push_back(held);
@@ -57,7 +57,7 @@ Expected<mechanics::GridLines> grid_layout(const SpecimenLayout& layout,
                                            const LayoutOptions& options) {
   Axis axes[2];
   const int cells[2] = {options.nodes_u - 1, options.nodes_v - 1};
-  const double close_m = kClose * (layout.hi_m - layout.lo_m).maxCoeff();
+  const double close_m = kOnLine * (layout.hi_m - layout.lo_m).maxCoeff();
   const auto is_inside = [&](double at, int axis) {
     return at > layout.lo_m[axis] + close_m && at < layout.hi_m[axis] - close_m;
   };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/estimation/staged/splines/spline_refinement.h"
 
-#include <limits>
 #include <string>
 
 #include "common/model/catalogue.h"
@@ -71,8 +70,8 @@ Expected<model::Law> nearest_curve(const model::Law& law, const std::string& nam
   for (Eigen::Index j = 0; j < of_old; ++j)
     values[j] = law.parameters[static_cast<std::size_t>(j)].value;
   const model::Parameter& p = law.parameters.front();
-  lower.setConstant(p.lower.value_or(-std::numeric_limits<double>::infinity()));
-  upper.setConstant(p.upper.value_or(std::numeric_limits<double>::infinity()));
+  lower.setConstant(p.lower.value_or(-kNoBound));
+  upper.setConstant(p.upper.value_or(kNoBound));
   const int samples = 16 * points;
   Eigen::MatrixXd a(samples, points);
   Eigen::VectorXd b(samples);

@@ -6,7 +6,7 @@
 // f runs over the distances between the clamps, measured is the mean of the fitted pulls, x_f what
 // the model makes of the material. The offset along the pull is that of the clamps' dots from the
 // edges that hold the cloth, half their difference. A pin that is left out takes no part; its place
-// is where the model shows it as measured at the first taut distance alone.
+// is where the model shows it as measured at one taut distance alone (kTautFrame).
 //
 //   for (...) { fit material; place_pins(states, fitted, left_out, data); }
 #pragma once

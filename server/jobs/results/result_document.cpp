@@ -2,12 +2,12 @@
 #include "server/jobs/results/result_document.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "common/model/document.h"
 #include "server/diagnosis/verdicts.h"
+#include "server/jobs/results/json_number.h"
 #include "server/jobs/results/result_figures.h"
 
 namespace tenter::jobs {
@@ -15,10 +15,6 @@ namespace {
 
 using diagnosis::Diagnosis;
 using nlohmann::json;
-
-json number(double value) {
-  return std::isfinite(value) ? json(value) : json(nullptr);
-}
 
 template <class T>
 json maybe(const std::optional<T>& value) {

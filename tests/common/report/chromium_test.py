@@ -159,7 +159,7 @@ def check_page(browser, page, expected=12):
 
 
 def check_sheet_page(browser, page):
-    check_page(browser, page, 4)
+    check_page(browser, page, 5)
     top = browser.run("return document.querySelector('#captures tbody tr:last-child').getBoundingClientRect().top")
     check(top < 900, f"the table of captures does not fit the first screen: {top}")
     meshes = browser.run(MESHES)

@@ -11,6 +11,7 @@
 #include "common/model/export/term_curve.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/uncertainty/caveats.h"
+#include "server/jobs/results/json_number.h"
 #include "server/jobs/sheet_fit/document/sheet_figures.h"
 #include "server/jobs/sheet_fit/progress/stage_json.h"
 #include "server/jobs/sheet_fit/requests/requests_json.h"
@@ -23,10 +24,6 @@ using estimation::ParameterState;
 using nlohmann::json;
 
 constexpr double kCorrelated = 0.9;
-
-json number(double value) {
-  return std::isfinite(value) ? json(value) : json(nullptr);
-}
 
 double rms(double square, int rows) {
   return std::sqrt(square / rows);

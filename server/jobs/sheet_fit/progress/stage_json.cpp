@@ -2,11 +2,11 @@
 #include "server/jobs/sheet_fit/progress/stage_json.h"
 
 #include <array>
-#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "common/model/document.h"
+#include "server/jobs/results/json_number.h"
 
 namespace tenter::jobs {
 namespace {
@@ -19,9 +19,6 @@ constexpr std::array kStates = {ParameterState::free, ParameterState::fixed,
                                 ParameterState::at_bound, ParameterState::zero_gradient,
                                 ParameterState::flat};
 
-json number(double value) {
-  return std::isfinite(value) ? json(value) : json(nullptr);
-}
 double number_at(const json& object, const char* key) {
   const json& value = object.at(key);
   return value.is_null() ? std::nan("") : value.get<double>();

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/jobs/sheet_fit/requests/requests_json.h"
 
-#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+
+#include "server/jobs/results/json_number.h"
 
 namespace tenter::jobs {
 namespace {
 
 using nlohmann::json;
-
-json number(double value) {
-  return std::isfinite(value) ? json(value) : json(nullptr);
-}
 
 json starts_json(const StartsFound& starts) {
   json outcomes = json::array();

@@ -20,7 +20,7 @@ inline bool on_boundary(const Eigen::Vector3d& place_m) {
 
 /// Inner nodes moved by up to a fifth of a cell.
 inline SolidMesh distorted(SolidMesh mesh, unsigned seed) {
-  testing::Numbers numbers(seed);
+  tenter::testing::Numbers numbers(seed);
   for (int n = 0; n < mesh.node_count(); ++n)
     if (!on_boundary(mesh.rest_m.col(n)))
       for (int i = 0; i < 3; ++i) mesh.rest_m(i, n) += numbers.between(-0.2, 0.2) * kCell;
@@ -63,8 +63,8 @@ inline Eigen::VectorXd affine(const SolidMesh& mesh, const Eigen::Matrix3d& f,
 
 /// A large affine deformation, and every node off it by up to `by` of a cell.
 inline Eigen::VectorXd deformed(const SolidMesh& mesh, double by, unsigned seed) {
-  testing::Numbers numbers(seed);
-  Eigen::VectorXd x = affine(mesh, testing::random_solid(numbers));
+  tenter::testing::Numbers numbers(seed);
+  Eigen::VectorXd x = affine(mesh, tenter::testing::random_solid(numbers));
   for (Eigen::Index i = 0; i < x.size(); ++i) x[i] += numbers.between(-by, by) * kCell;
   return x;
 }

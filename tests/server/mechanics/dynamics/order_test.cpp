@@ -9,7 +9,7 @@
 namespace tenter::mechanics::testing {
 namespace {
 
-constexpr double kEnd_s = 0.032;
+constexpr double kSwing_s = 0.032;
 
 StepOptions tight(TimeScheme scheme) {
   StepOptions options;
@@ -23,7 +23,7 @@ class Orders : public ::testing::Test {
   Motion run(double step_s, TimeScheme scheme) {
     auto stepper = swing_.stepper();
     Motion motion = swing_.thrown();
-    walked(stepper, swing_.sheet.parameters, swing_.constant(), kEnd_s, step_s, tight(scheme),
+    walked(stepper, swing_.sheet.parameters, swing_.constant(), kSwing_s, step_s, tight(scheme),
            motion);
     return motion;
   }
@@ -31,7 +31,7 @@ class Orders : public ::testing::Test {
 };
 
 TEST_F(Orders, AreOneAndTwo) {
-  const Motion fine = run(kEnd_s / 1024, TimeScheme::bdf2);
+  const Motion fine = run(kSwing_s / 1024, TimeScheme::bdf2);
   const double way_m = (fine.at.x - swing_.flat_state.x).lpNorm<Eigen::Infinity>();
   ASSERT_GT(way_m, 0.01) << "it moves by a tenth of itself";
   for (const auto& [scheme, wanted] :
@@ -40,7 +40,7 @@ TEST_F(Orders, AreOneAndTwo) {
     const int coarse = scheme == TimeScheme::bdf2 ? 64 : 256;
     double error[2], speed_error[2];
     for (int k = 0; k < 2; ++k) {
-      const Motion motion = run(kEnd_s / (k == 0 ? coarse : 2 * coarse), scheme);
+      const Motion motion = run(kSwing_s / (k == 0 ? coarse : 2 * coarse), scheme);
       error[k] = (motion.at.x - fine.at.x).norm();
       speed_error[k] = (motion.velocity_m_s - fine.velocity_m_s).norm();
     }
@@ -52,14 +52,14 @@ TEST_F(Orders, AreOneAndTwo) {
 
 /// Steps of changing length keep the order, and the estimate of a step is what it is off by.
 TEST_F(Orders, StepsThatFollowTheErrorKeepToIt) {
-  const Motion fine = run(kEnd_s / 1024, TimeScheme::bdf2);
+  const Motion fine = run(kSwing_s / 1024, TimeScheme::bdf2);
   double error_m[2];
   int steps[2];
   for (int k = 0; k < 2; ++k) {
     auto stepper = swing_.stepper();
     Motion motion = swing_.thrown();
     StepLength length{.largest_s = 0.01, .error_m = k == 0 ? 1e-6 : 1e-8};
-    const auto end = walk_until(stepper, swing_.sheet.parameters, swing_.constant(), kEnd_s,
+    const auto end = walk_until(stepper, swing_.sheet.parameters, swing_.constant(), kSwing_s,
                                 tight(TimeScheme::bdf2), length, motion);
     ASSERT_TRUE(end) << end.error().message;
     ASSERT_EQ(end->how, WalkEnd::How::complete) << end->reason;
@@ -118,14 +118,14 @@ TEST_F(Orders, TheEstimateIsTheErrorOfOneStep) {
 TEST_F(Orders, LinearisedStepsApproachTheConvergedOnes) {
   double off[2];
   for (int k = 0; k < 2; ++k) {
-    const double step_s = kEnd_s / (k == 0 ? 64 : 128);
+    const double step_s = kSwing_s / (k == 0 ? 64 : 128);
     const Motion converged = run(step_s, TimeScheme::implicit_euler);
     auto stepper = swing_.stepper();
     Motion motion = swing_.thrown();
     StepOptions options = tight(TimeScheme::implicit_euler);
     options.is_linearised = true;
-    const WalkEnd end = walked(stepper, swing_.sheet.parameters, swing_.constant(), kEnd_s, step_s,
-                               options, motion);
+    const WalkEnd end = walked(stepper, swing_.sheet.parameters, swing_.constant(), kSwing_s,
+                               step_s, options, motion);
     EXPECT_EQ(end.iterations, end.steps);
     EXPECT_GT(end.last.last.net_force_N, 1e-7) << "what is left is not zero";
     off[k] = (motion.at.x - converged.at.x).norm();

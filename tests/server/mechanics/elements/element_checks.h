@@ -20,17 +20,17 @@ template <class Evaluate>
 Answer check_derivatives(const Evaluate& evaluate, NodeMatrix& matrix, const Eigen::VectorXd& x,
                          double step, double relative) {
   Answer answer = evaluate(x, &matrix);
-  testing::Comparison gradient("gradient");
-  testing::Comparison stiffness("stiffness");
+  tenter::testing::Comparison gradient("gradient");
+  tenter::testing::Comparison stiffness("stiffness");
   for (Eigen::Index i = 0; i < x.size(); i += 7) {
     const auto moved = [&](double value) {
       Eigen::VectorXd y = x;
       y[i] = value;
       return evaluate(y, nullptr);
     };
-    gradient.add(answer.gradient[i],
-                 testing::difference([&](double v) { return moved(v).energy; }, x[i], step));
-    const Eigen::VectorXd column = testing::difference(
+    gradient.add(answer.gradient[i], tenter::testing::difference(
+                                         [&](double v) { return moved(v).energy; }, x[i], step));
+    const Eigen::VectorXd column = tenter::testing::difference(
         [&](double v) { return Eigen::VectorXd(moved(v).gradient); }, x[i], step);
     Eigen::VectorXd unit = Eigen::VectorXd::Zero(x.size());
     Eigen::VectorXd product = unit;

@@ -12,13 +12,13 @@
 namespace tenter::mechanics {
 namespace {
 
-struct Walk {
+struct TimedWalk {
   std::vector<SceneFrame> frames;
   SceneEnd end;
 };
 
 /// A square of 0.1 m, horizontal, with these members besides.
-Expected<scene::Scene> scene_of(const std::string& members) {
+Expected<scene::Scene> parsed_scene(const std::string& members) {
   return scene::parse_scene(
       R"({"schema": "tenter.scene", "version": 1, "name": "s", "mesh": {"kind": "grid",
           "nodes_u": 6, "nodes_v": 6, "length_u_m": 0.1, "length_v_m": 0.1},
@@ -27,9 +27,9 @@ Expected<scene::Scene> scene_of(const std::string& members) {
       "test");
 }
 
-Walk walk(const std::string& members) {
-  Walk result;
-  const auto scene = scene_of(members);
+TimedWalk walk(const std::string& members) {
+  TimedWalk result;
+  const auto scene = parsed_scene(members);
   EXPECT_TRUE(scene) << scene.error().message;
   if (!scene) return result;
   auto run = SceneRun::make(*scene, model::preset("cloth_stvk").value());
@@ -48,7 +48,7 @@ const std::string kHeld = R"("clips": [{"id": "bar", "nodes": "top"}], )";
 
 /// What the sheet has, and what damping took, is what it began with.
 TEST(SceneMotion, EnergyIsAccountedFor) {
-  const Walk done = walk(kHeld + R"("dynamics": {"step_s": 0.0005, "damping_s": 0.05},
+  const TimedWalk done = walk(kHeld + R"("dynamics": {"step_s": 0.0005, "damping_s": 0.05},
       "protocol": [{"name": "fall", "frames": 10, "duration_s": 0.1}])");
   const SceneFrame& first = done.frames.front();
   const SceneFrame& last = done.frames.back();
@@ -76,7 +76,7 @@ TEST(SceneMotion, EnergyIsAccountedFor) {
 }
 
 TEST(SceneMotion, FromRestItStays) {
-  const Walk done = walk(kHeld + R"("start": {"place": "vertical", "noise_m": 1e-4},
+  const TimedWalk done = walk(kHeld + R"("start": {"place": "vertical", "noise_m": 1e-4},
       "dynamics": {"step_s": 0.01, "start": "equilibrium", "scheme": "implicit_euler"},
       "protocol": [{"name": "wait", "frames": 5, "duration_s": 0.5}])");
   const double side_m = 0.1;
@@ -91,7 +91,7 @@ TEST(SceneMotion, FromRestItStays) {
 /// The clip turns and the sphere rises through the middle of the sheet: both are where they should
 /// be, and no node is inside.
 TEST(SceneMotion, ClipsAndObstaclesFollowTheScript) {
-  const Walk done = walk(kHeld + R"("gravity_m_s2": [0, 0, 0],
+  const TimedWalk done = walk(kHeld + R"("gravity_m_s2": [0, 0, 0],
       "obstacles": [{"kind": "sphere", "point_m": [0.05, 0.03, -0.03], "radius_m": 0.02}],
       "dynamics": {"step_s": 0.004, "scheme": "implicit_euler", "damping_s": 0.005},
       "protocol": [{"name": "turn", "frames": 5, "duration_s": 0.1,
@@ -139,7 +139,7 @@ TEST(SceneMotion, TheShippedSquareSwings) {
 
 /// The upper edge is turned down beside the lower part, nearer than the thickness.
 TEST(SceneMotion, ASheetKeepsOffItself) {
-  const Walk done = walk(R"("start": {"place": "vertical"}, "clips": [
+  const TimedWalk done = walk(R"("start": {"place": "vertical"}, "clips": [
         {"id": "low", "nodes": {"box_m": [[0, 0], [0.1, 0.03]]}},
         {"id": "high", "nodes": "top"}],
       "gravity_m_s2": [0, 0, 0],
@@ -169,7 +169,7 @@ TEST(SceneMotion, SaysWhatDoesNotFit) {
         std::pair{R"("dynamics": {}, )" + phase +
                       R"(, "duration_s": 1, "obstacles": [{"obstacle": 0, "move_m": [0, 0, 1]}]}])",
                   "obstacle"}}) {
-    const auto scene = scene_of(members);
+    const auto scene = parsed_scene(members);
     ASSERT_FALSE(scene) << members;
     EXPECT_NE(scene.error().message.find(says), std::string::npos) << scene.error().message;
   }

@@ -7,7 +7,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <random>
 #include <vector>
 
@@ -17,35 +16,19 @@
 #include "common/report/residual_file.h"
 #include "tests/common/capture/support.h"
 #include "tests/fault/mutated.h"
+#include "tests/fault/spoilt_capture.h"
 
 namespace tenter::capture {
 namespace {
 
 using fault::mutated;
+using fault::said_of;
 using test::bytes_of;
 using test::get_file;
 using test::message_of;
 using test::put_file;
 using test::small_capture;
 using test::TempFolder;
-
-/// Opens a good capture with plain HDF5, lets `change` spoil it, and returns what the guarded
-/// reader says.
-std::string after(const std::function<void(hid_t file)>& change) {
-  const TempFolder folder;
-  const std::string path = folder.path("c.h5");
-  EXPECT_TRUE(write_capture(small_capture(), path));
-  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
-  EXPECT_GE(file, 0);
-  change(file);
-  EXPECT_GE(H5Fclose(file), 0);
-  const auto capture = read_capture_guarded(path);
-  if (capture) return "accepted";
-  EXPECT_EQ(capture.error().kind, ErrorKind::bad_input);
-  const std::string& message = capture.error().message;
-  EXPECT_TRUE(message.starts_with(path + ": ")) << message;
-  return message.substr(path.size() + 2);
-}
 
 /// Replaces a dataset by one of `length` values of which nothing is stored; chunk 0: not chunked.
 void claim(hid_t file, const char* path, hsize_t length, hsize_t chunk,
@@ -93,69 +76,84 @@ TEST(HostileCaptures, TenGigabytesClaimedInAKilobyte) {
 }
 
 TEST(HostileCaptures, SizesThatTheFileCannotHold) {
-  EXPECT_EQ(after([](hid_t f) { claim(f, "/entry/data/time", 1250000000, 1024); }),
-            "/entry/data/time@units: is missing.");
-  EXPECT_EQ(after([](hid_t f) { claim(f, "/entry/data/run", 1250000000, 1024); }),
-            "/entry/data/run: must hold whole numbers.");
   EXPECT_EQ(
-      after([](hid_t f) { claim(f, "/entry/protocol/phase_nominal_rate", 1250000000, 1024); }),
+      said_of(small_capture(), [](hid_t f) { claim(f, "/entry/data/time", 1250000000, 1024); }),
+      "/entry/data/time@units: is missing.");
+  EXPECT_EQ(
+      said_of(small_capture(), [](hid_t f) { claim(f, "/entry/data/run", 1250000000, 1024); }),
+      "/entry/data/run: must hold whole numbers.");
+  EXPECT_EQ(
+      said_of(small_capture(),
+              [](hid_t f) { claim(f, "/entry/protocol/phase_nominal_rate", 1250000000, 1024); }),
       "/entry/protocol/phase_nominal_rate: claims 1250000000 values, more than the limit of "
       "2147 MB.");
-  const std::string message =
-      after([](hid_t f) { claim(f, "/entry/protocol/phase_nominal_rate", 100000000, 1024); });
+  const std::string message = said_of(small_capture(), [](hid_t f) {
+    claim(f, "/entry/protocol/phase_nominal_rate", 100000000, 1024);
+  });
   EXPECT_TRUE(
       message.starts_with("/entry/protocol/phase_nominal_rate: claims 800 MB but the file of "))
       << message;
   EXPECT_NE(message.find("stores 0 bytes of it."), std::string::npos) << message;
-  EXPECT_NE(after([](hid_t f) {
-              claim(f, "/entry/protocol/phase_nominal_rate", 100000000, 0);
-            }).find("claims 800 MB"),
+  EXPECT_NE(said_of(small_capture(),
+                    [](hid_t f) { claim(f, "/entry/protocol/phase_nominal_rate", 100000000, 0); })
+                .find("claims 800 MB"),
             std::string::npos);
 }
 
 TEST(HostileCaptures, HugeChunks) {
   // two values, but reading them would make HDF5 reserve a chunk of two gigabytes
-  EXPECT_EQ(after([](hid_t f) { claim(f, "/entry/protocol/phase_nominal_rate", 2, 1 << 28); }),
+  EXPECT_EQ(said_of(small_capture(),
+                    [](hid_t f) { claim(f, "/entry/protocol/phase_nominal_rate", 2, 1 << 28); }),
             "/entry/protocol/phase_nominal_rate: claims chunks larger than 67 MB.");
 }
 
 TEST(HostileCaptures, WrongTypesShapesAndMissingGroups) {
-  EXPECT_EQ(after([](hid_t f) { H5Ldelete(f, "/entry/sample", H5P_DEFAULT); }),
+  EXPECT_EQ(said_of(small_capture(), [](hid_t f) { H5Ldelete(f, "/entry/sample", H5P_DEFAULT); }),
             "/entry/sample/name: is missing.");
-  EXPECT_EQ(after([](hid_t f) { H5Ldelete(f, "/entry", H5P_DEFAULT); }),
+  EXPECT_EQ(said_of(small_capture(), [](hid_t f) { H5Ldelete(f, "/entry", H5P_DEFAULT); }),
             "/entry/title: is missing.");
-  EXPECT_EQ(after([](hid_t f) { H5Adelete_by_name(f, "/", "version", H5P_DEFAULT); }),
-            "/@version: is missing.");
-  EXPECT_EQ(after([](hid_t f) { H5Adelete_by_name(f, "/entry/data/force", "units", H5P_DEFAULT); }),
-            "/entry/data/force@units: is missing.");
-  EXPECT_EQ(after([](hid_t f) {
-              H5Ldelete(f, "/entry/title", H5P_DEFAULT);
-              H5Lmove(f, "/entry/runs/number", f, "/entry/title", H5P_DEFAULT, H5P_DEFAULT);
-            }),
+  EXPECT_EQ(
+      said_of(small_capture(), [](hid_t f) { H5Adelete_by_name(f, "/", "version", H5P_DEFAULT); }),
+      "/@version: is missing.");
+  EXPECT_EQ(
+      said_of(small_capture(),
+              [](hid_t f) { H5Adelete_by_name(f, "/entry/data/force", "units", H5P_DEFAULT); }),
+      "/entry/data/force@units: is missing.");
+  EXPECT_EQ(said_of(small_capture(),
+                    [](hid_t f) {
+                      H5Ldelete(f, "/entry/title", H5P_DEFAULT);
+                      H5Lmove(f, "/entry/runs/number", f, "/entry/title", H5P_DEFAULT, H5P_DEFAULT);
+                    }),
             "/entry/title: must hold text of fixed length.");
-  EXPECT_EQ(after([](hid_t f) {
-              H5Ldelete(f, "/entry/data/branch", H5P_DEFAULT);
-              H5Lcreate_hard(f, "/entry/data/frame", f, "/entry/data/branch", H5P_DEFAULT,
-                             H5P_DEFAULT);
-            }),
+  EXPECT_EQ(said_of(small_capture(),
+                    [](hid_t f) {
+                      H5Ldelete(f, "/entry/data/branch", H5P_DEFAULT);
+                      H5Lcreate_hard(f, "/entry/data/frame", f, "/entry/data/branch", H5P_DEFAULT,
+                                     H5P_DEFAULT);
+                    }),
             "/entry/data/branch: holds 5, not 0 to 3.");
 }
 
 TEST(HostileCaptures, LinksThatLeadElsewhereAreNotFollowed) {
-  EXPECT_EQ(after([](hid_t f) {
-              H5Ldelete(f, "/entry/title", H5P_DEFAULT);
-              H5Lcreate_external("/etc/passwd", "/x", f, "/entry/title", H5P_DEFAULT, H5P_DEFAULT);
-            }),
+  EXPECT_EQ(said_of(small_capture(),
+                    [](hid_t f) {
+                      H5Ldelete(f, "/entry/title", H5P_DEFAULT);
+                      H5Lcreate_external("/etc/passwd", "/x", f, "/entry/title", H5P_DEFAULT,
+                                         H5P_DEFAULT);
+                    }),
             "/entry/title: is missing.");
-  EXPECT_EQ(after([](hid_t f) {
-              H5Ldelete(f, "/entry/title", H5P_DEFAULT);
-              H5Lcreate_soft("/entry/title", f, "/entry/title", H5P_DEFAULT, H5P_DEFAULT);
-            }),
+  EXPECT_EQ(said_of(small_capture(),
+                    [](hid_t f) {
+                      H5Ldelete(f, "/entry/title", H5P_DEFAULT);
+                      H5Lcreate_soft("/entry/title", f, "/entry/title", H5P_DEFAULT, H5P_DEFAULT);
+                    }),
             "/entry/title: is missing.");
-  EXPECT_EQ(after([](hid_t f) {
-              // a group that contains itself
-              H5Lcreate_hard(f, "/entry", f, "/entry/sample/again", H5P_DEFAULT, H5P_DEFAULT);
-            }),
+  EXPECT_EQ(said_of(small_capture(),
+                    [](hid_t f) {
+                      // a group that contains itself
+                      H5Lcreate_hard(f, "/entry", f, "/entry/sample/again", H5P_DEFAULT,
+                                     H5P_DEFAULT);
+                    }),
             "accepted");
 }
 

@@ -5,7 +5,6 @@
 #include <hdf5.h>
 
 #include <cstdint>
-#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -16,35 +15,18 @@
 #include "tests/common/capture/sheet/support.h"
 #include "tests/common/capture/support.h"
 #include "tests/fault/mutated.h"
+#include "tests/fault/spoilt_capture.h"
 
 namespace tenter::capture {
 namespace {
 
 using fault::mutated;
+using fault::said_of;
 using test::bytes_of;
 using test::put_file;
 using test::small_capture;
 using test::small_sheet_capture;
 using test::TempFolder;
-
-/// Opens a good capture with plain HDF5, lets `change` spoil it, and returns what the guarded
-/// reader says.
-std::string after(const std::function<void(hid_t file)>& change,
-                  const Capture& good = small_sheet_capture()) {
-  const TempFolder folder;
-  const std::string path = folder.path("c.h5");
-  EXPECT_TRUE(write_capture(good, path));
-  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
-  EXPECT_GE(file, 0);
-  change(file);
-  EXPECT_GE(H5Fclose(file), 0);
-  const auto capture = read_capture_guarded(path);
-  if (capture) return "accepted";
-  EXPECT_EQ(capture.error().kind, ErrorKind::bad_input);
-  const std::string& message = capture.error().message;
-  EXPECT_TRUE(message.starts_with(path + ": ")) << message;
-  return message.substr(path.size() + 2);
-}
 
 /// Replaces a dataset by one of this shape of which nothing is stored.
 void claim(hid_t file, const char* path, const std::vector<hsize_t>& shape, const char* unit,
@@ -73,38 +55,49 @@ void claim(hid_t file, const char* path, const std::vector<hsize_t>& shape, cons
 
 TEST(HostileSheets, SizesAreHeldAgainstTheFramesBeforeMemoryIsTaken) {
   const std::string mesh = "/entry/meshes/front/";
-  EXPECT_EQ(after([](hid_t f) {
-              claim(f, "/entry/meshes/front/position", {4, 1000000000, 3}, "m");
-            }),
+  EXPECT_EQ(said_of(small_sheet_capture(),
+                    [](hid_t f) {
+                      claim(f, "/entry/meshes/front/position", {4, 1000000000, 3}, "m");
+                    }),
             mesh + "position: has the shape [4 x 1000000000 x 3] where [4 x 9 x any] is needed.");
-  EXPECT_NE(after([](hid_t f) {
-              claim(f, "/entry/meshes/front/position", {4, 9, 1U << 30}, "m");
-            }).find("position: claims 38654705664 values, more than the limit of"),
+  EXPECT_NE(said_of(small_sheet_capture(),
+                    [](hid_t f) {
+                      claim(f, "/entry/meshes/front/position", {4, 9, 1U << 30}, "m");
+                    })
+                .find("position: claims 38654705664 values, more than the limit of"),
             std::string::npos);
-  EXPECT_EQ(after([](hid_t f) {
-              claim(f, "/entry/clips/moved/rotation", {40000, 4}, "1");
-            }),
+  EXPECT_EQ(said_of(small_sheet_capture(),
+                    [](hid_t f) {
+                      claim(f, "/entry/clips/moved/rotation", {40000, 4}, "1");
+                    }),
             "/entry/clips/moved/rotation: has the shape [40000 x 4] where [4 x 4] is needed.");
-  EXPECT_EQ(after([](hid_t f) { claim(f, "/entry/cords/pull/direction", {4}, "1"); }),
+  EXPECT_EQ(said_of(small_sheet_capture(),
+                    [](hid_t f) { claim(f, "/entry/cords/pull/direction", {4}, "1"); }),
             "/entry/cords/pull/direction: has the shape [4] where [4 x 3] is needed.");
   // where any length will do, what is stored decides
-  const std::string message = after([](hid_t f) {
+  const std::string message = said_of(small_sheet_capture(), [](hid_t f) {
     claim(f, "/entry/meshes/front/material", {50000000, 2}, "m");
   });
   EXPECT_TRUE(message.starts_with(mesh + "material: claims 800 MB but the file of ")) << message;
-  EXPECT_NE(after([](hid_t f) {
-              claim(f, "/entry/meshes/front/connectivity", {100000000, 3}, "", H5T_STD_I32LE);
-            }).find("connectivity: claims"),
-            std::string::npos);
+  EXPECT_NE(
+      said_of(small_sheet_capture(),
+              [](hid_t f) {
+                claim(f, "/entry/meshes/front/connectivity", {100000000, 3}, "", H5T_STD_I32LE);
+              })
+          .find("connectivity: claims"),
+      std::string::npos);
 }
 
 TEST(HostileSheets, WhatIsMissingOrOfAnotherVersion) {
-  EXPECT_EQ(after([](hid_t f) { H5Ldelete(f, "/entry/clips/fixed/rotation", H5P_DEFAULT); }),
+  EXPECT_EQ(said_of(small_sheet_capture(),
+                    [](hid_t f) { H5Ldelete(f, "/entry/clips/fixed/rotation", H5P_DEFAULT); }),
             "/entry/clips/fixed/rotation: is missing.");
-  EXPECT_EQ(after([](hid_t f) { H5Ldelete(f, "/entry/meshes/front", H5P_DEFAULT); }),
+  EXPECT_EQ(said_of(small_sheet_capture(),
+                    [](hid_t f) { H5Ldelete(f, "/entry/meshes/front", H5P_DEFAULT); }),
             "/entry/meshes: must hold one mesh, not 0.");
-  EXPECT_EQ(after([](hid_t f) { H5Ldelete(f, "/entry/gravity", H5P_DEFAULT); }),
-            "/entry/gravity: is missing.");
+  EXPECT_EQ(
+      said_of(small_sheet_capture(), [](hid_t f) { H5Ldelete(f, "/entry/gravity", H5P_DEFAULT); }),
+      "/entry/gravity: is missing.");
   const auto set_version = [](std::int64_t version) {
     return [version](hid_t f) {
       const hid_t attribute = H5Aopen(f, "version", H5P_DEFAULT);
@@ -112,9 +105,11 @@ TEST(HostileSheets, WhatIsMissingOrOfAnotherVersion) {
       H5Aclose(attribute);
     };
   };
-  EXPECT_EQ(after(set_version(3)), "/: has version 3 of the layout; this program reads 1 and 2.");
-  EXPECT_EQ(after(set_version(1)), "a capture of kind \"deforming_sheet\" needs a sheet.");
-  EXPECT_EQ(after(set_version(2), small_capture()), "/entry/meshes: is missing.");
+  EXPECT_EQ(said_of(small_sheet_capture(), set_version(3)),
+            "/: has version 3 of the layout; this program reads 1 and 2.");
+  EXPECT_EQ(said_of(small_sheet_capture(), set_version(1)),
+            "a capture of kind \"deforming_sheet\" needs a sheet.");
+  EXPECT_EQ(said_of(small_capture(), set_version(2)), "/entry/meshes: is missing.");
 }
 
 TEST(HostileSheets, CornersThatPointOutside) {
@@ -128,8 +123,8 @@ TEST(HostileSheets, CornersThatPointOutside) {
       H5Dclose(data);
     };
   };
-  EXPECT_EQ(after(write_corner(9)), "triangle 1 names vertex 9 of 9.");
-  EXPECT_EQ(after(write_corner(-7)), "triangle 1 names vertex -7 of 9.");
+  EXPECT_EQ(said_of(small_sheet_capture(), write_corner(9)), "triangle 1 names vertex 9 of 9.");
+  EXPECT_EQ(said_of(small_sheet_capture(), write_corner(-7)), "triangle 1 names vertex -7 of 9.");
 }
 
 /// Characters changed to others that tables and descriptions are made of.

@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <string>
@@ -20,6 +21,11 @@ namespace tenter::jobs {
 
 inline const std::string kCaptureBytes = "the bytes of a capture";
 inline const std::string kCapture = sha256_hex(kCaptureBytes);
+
+inline std::string read(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
 
 /// Prints the Error when the value is missing.
 template <class T>

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 #include <numeric>
 #include <random>
 #include <thread>
@@ -29,11 +28,6 @@ std::string random_bytes(std::size_t size, unsigned seed) {
 
 std::string_view chunk(const std::string& bytes, std::uint64_t index) {
   return std::string_view(bytes).substr(index * Uploads::kChunkBytes, Uploads::kChunkBytes);
-}
-
-std::string read(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 TEST(Uploads, ChunksInAnyOrderMakeTheFile) {

@@ -138,6 +138,9 @@ Capture capture_of(const Fabric& fabric, const Protocol& protocol, const Sequenc
   capture.phase.assign(capture.frame.size(), 0);
   Sheet& sheet = capture.sheet.emplace();
   add_mesh(sequence, sheet);
+  const double side = fabric.side_m;
+  if (sheet.triangles.empty())
+    sheet.outline_m = {{0.0, 0.0}, {side, 0.0}, {side, side}, {0.0, side}};
   add_clips(protocol, sheet);
   add_cords(sequence, sheet);
   add_table(protocol, sheet);

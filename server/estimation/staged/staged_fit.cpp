@@ -69,7 +69,8 @@ class StagedFit {
     model::Model guessed = result_.model;
     auto record = guess_all(guessed, task, options_.stage);
     if (!record) return tl::unexpected(record.error());
-    if (record->done) result_.model = std::move(guessed);
+    if (record->done)
+      if (auto ok = adopt_guess(std::move(guessed), *record); !ok) return ok;
     result_.stages.push_back(std::move(*record));
     if (options_.on_stages_done) options_.on_stages_done(result_);
     return {};
@@ -112,6 +113,26 @@ class StagedFit {
         if (auto ok = adopt(models[k], wave[k], record); !ok) return tl::unexpected(ok.error());
       result_.stages.push_back(std::move(record));
     }
+    return {};
+  }
+
+  /// Takes the guess, unless fewer frames have a rest with it: forces that strain noise along a
+  /// path can tell a friction so stiff that nothing comes to rest.
+  Expected<void> adopt_guess(model::Model guessed, StageRecord& record) {
+    auto then = whole_.of(guessed);
+    if (!then) return tl::unexpected(then.error());
+    if (then->restless() > 0) {
+      auto now = whole_.of(result_.model);
+      if (!now) return tl::unexpected(now.error());
+      if (now->restless() < then->restless()) {
+        record.done = false;
+        record.message = put_back(*now, *then);
+        now_ = std::move(*now);
+        return {};
+      }
+    }
+    result_.model = std::move(guessed);
+    now_ = std::move(*then);
     return {};
   }
 

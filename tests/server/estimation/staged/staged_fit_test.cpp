@@ -305,6 +305,26 @@ TEST(StagedFit, PutsBackAStageThatIsWorseForAllSequencesTogether) {
   }
 }
 
+TEST(StagedFit, PutsBackAGuessWithWhichNothingRests) {
+  RigOptions rig;
+  rig.frames = 6;
+  rig.point_sigma_m = 7.5e-5;
+  const auto measured = measured_in_rig(curved_cloth(), rig);
+  const model::Model start = model::preset("cloth_stvk_friction").value();
+  StagedOptions options = with_threads(2);
+  options.repeat = options.coupled = false;
+  const auto fit = staged_fit(start, measured, options);
+  ASSERT_TRUE(fit) << fit.error().message;
+  // noise strains back and forth where the sheet did not: a friction without measure
+  const StageRecord& guess = stage_of(*fit, "first_guess");
+  EXPECT_FALSE(guess.done);
+  EXPECT_EQ(guess.message.rfind("put back: ", 0), 0U) << guess.message;
+  for (const char* stage : {"stretch_u", "stretch_v"}) {
+    EXPECT_TRUE(stage_of(*fit, stage).done) << stage_of(*fit, stage).message;
+    EXPECT_TRUE(stage_of(*fit, stage).dropped.empty());
+  }
+}
+
 TEST(StagedFit, SpringsTwoNodesApartAreFittedWithTheStretchThatTheyTakePartIn) {
   const auto springs = model::preset("cloth_springs").value();
   model::Model truth = springs;

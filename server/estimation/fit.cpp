@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "common/model/catalogue.h"
-#include "server/estimation/least_squares/bounded/bounded_least_squares.h"
-#include "server/estimation/least_squares/bounded/bounded_marquardt.h"
+#include "server/estimation/least_squares/bounded_least_squares.h"
 #include "server/estimation/least_squares/covariance.h"
 #include "server/estimation/least_squares/dissipation.h"
-#include "server/estimation/least_squares/gauss_newton.h"
 #include "server/estimation/least_squares/objective.h"
-#include "server/estimation/least_squares/trust_region.h"
+#include "server/estimation/least_squares/search/bounded_marquardt.h"
+#include "server/estimation/least_squares/search/gauss_newton.h"
+#include "server/estimation/least_squares/search/trust_region.h"
 
 namespace tenter::estimation {
 namespace {
@@ -65,41 +65,37 @@ Bounds bounds_of(const std::vector<const model::Parameter*>& parameters,
   return bounds;
 }
 
-void by_trust_region(Objective& objective, const Bounds& bounds, const FitOptions& options,
-                     Eigen::VectorXd& x, FitResult& result) {
-  const TrustRegionOptions how{options.max_iterations, options.tolerance, options.on_iteration};
-  auto found = minimise_by_trust_region(objective, bounds.lower, bounds.upper, how, x);
+void take(const SearchResult& found, FitResult& result) {
   result.iterations = found.iterations;
-  result.stopped = found.stopped;
-  result.converged = found.converged;
-  result.message = std::move(found.message);
-}
-
-void by_gauss_newton(Objective& objective, const Bounds& bounds, const FitOptions& options,
-                     Eigen::VectorXd& x, FitResult& result) {
-  GaussNewtonOptions how;
-  how.max_iterations = options.max_iterations;
-  how.stop = options.residual_stop;
-  how.damping = options.method == FitMethod::gauss_newton_damped;
-  how.on_iteration = options.on_iteration;
-  const auto found = minimise_by_gauss_newton(objective, bounds.lower, bounds.upper, how, x);
-  result.iterations = found.iterations;
-  result.stopped = found.end == GaussNewtonEnd::stopped;
-  result.converged =
-      found.end == GaussNewtonEnd::converged || found.end == GaussNewtonEnd::no_descent;
+  result.stopped = found.end == SearchEnd::stopped;
+  result.converged = found.is_converged();
   result.message = describe(found.end);
 }
 
-void by_bounded_marquardt(Objective& objective, const Bounds& bounds, const FitOptions& options,
-                          Eigen::VectorXd& x, FitResult& result) {
-  const BoundedMarquardtOptions how{options.max_iterations, options.tolerance,
-                                    options.on_iteration};
-  const auto found = minimise_by_bounded_marquardt(objective, bounds.lower, bounds.upper, how, x);
-  result.iterations = found.iterations;
-  result.stopped = found.end == BoundedMarquardtEnd::stopped;
-  result.converged =
-      found.end == BoundedMarquardtEnd::converged || found.end == BoundedMarquardtEnd::no_descent;
-  result.message = describe(found.end);
+/// Makes the objective small from `x` on by the method that was asked for.
+void search(Objective& objective, const Bounds& bounds, const FitOptions& options,
+            Eigen::VectorXd& x, FitResult& result) {
+  const SearchOptions how{options.max_iterations, options.tolerance, options.on_iteration};
+  switch (options.method) {
+    case FitMethod::trust_region: {
+      auto found = minimise_by_trust_region(objective, bounds.lower, bounds.upper, how, x);
+      result.iterations = found.iterations;
+      result.stopped = found.stopped;
+      result.converged = found.converged;
+      result.message = std::move(found.message);
+      break;
+    }
+    case FitMethod::bounded_marquardt:
+      take(minimise_by_bounded_marquardt(objective, bounds.lower, bounds.upper, how, x), result);
+      break;
+    case FitMethod::gauss_newton:
+    case FitMethod::gauss_newton_damped: {
+      GaussNewtonOptions thesis{how, options.method == FitMethod::gauss_newton_damped};
+      thesis.search.tolerance = options.residual_stop;
+      take(minimise_by_gauss_newton(objective, bounds.lower, bounds.upper, thesis, x), result);
+      break;
+    }
+  }
 }
 
 FitResult fit_in_box(ResidualFunction& evaluator, const model::Model& start,
@@ -130,18 +126,7 @@ FitResult fit_in_box(ResidualFunction& evaluator, const model::Model& start,
     evaluator.set_accuracy(Accuracy::stepping);
     Objective objective(evaluator, all, free, scale, weights, options.loss);
     const Bounds bounds = bounds_of(parameters, free, scale);
-    switch (options.method) {
-      case FitMethod::trust_region:
-        by_trust_region(objective, bounds, options, x, result);
-        break;
-      case FitMethod::bounded_marquardt:
-        by_bounded_marquardt(objective, bounds, options, x, result);
-        break;
-      case FitMethod::gauss_newton:
-      case FitMethod::gauss_newton_damped:
-        by_gauss_newton(objective, bounds, options, x, result);
-        break;
-    }
+    search(objective, bounds, options, x, result);
     for (std::size_t i = 0; i < free.size(); ++i)
       all[free[i]] = x[static_cast<Eigen::Index>(i)] * scale[static_cast<Eigen::Index>(i)];
   } else {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "server/estimation/least_squares/bounded/bounded_least_squares.h"
+#include "server/estimation/least_squares/bounded_least_squares.h"
 
 namespace tenter::estimation {
 namespace {

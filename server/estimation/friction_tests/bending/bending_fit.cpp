@@ -8,7 +8,7 @@
 
 #include "server/estimation/friction_tests/bending/path_start.h"
 #include "server/estimation/friction_tests/bending/torque_errors.h"
-#include "server/estimation/least_squares/bounded/bounded_least_squares.h"
+#include "server/estimation/least_squares/bounded_least_squares.h"
 
 namespace tenter::estimation {
 namespace {

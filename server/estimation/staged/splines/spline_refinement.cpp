@@ -4,7 +4,7 @@
 #include <string>
 
 #include "common/model/catalogue.h"
-#include "server/estimation/least_squares/bounded/bounded_least_squares.h"
+#include "server/estimation/least_squares/bounded_least_squares.h"
 #include "server/mechanics/law.h"
 
 namespace tenter::estimation {

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 
-#include "server/estimation/least_squares/bounded/bounded_least_squares.h"
+#include "server/estimation/least_squares/bounded_least_squares.h"
 #include "server/estimation/sequences/observations.h"
 #include "server/estimation/staged/resting_frames.h"
 #include "server/estimation/staged/start/measured_shape.h"
@@ -33,20 +34,22 @@ struct Measured {
 /// What a model remembers where a frame's step starts, and how that changes with its parameters.
 struct Past {
   mechanics::History history;
-  Eigen::MatrixXd by_parameter;
+  Eigen::MatrixXd by_parameter, shape_stays;
+  std::vector<Eigen::Index> all_parameters;
 
   explicit Past(const MeshModel& model)
       : history(model.never_strained()),
-        by_parameter(Eigen::MatrixXd::Zero(model.history_count(), model.parameter_count())) {}
+        by_parameter(Eigen::MatrixXd::Zero(model.history_count(), model.parameter_count())),
+        all_parameters(static_cast<std::size_t>(model.parameter_count())) {
+    std::iota(all_parameters.begin(), all_parameters.end(), Eigen::Index{0});
+  }
 
   /// To the end of the step to a shape.
   bool go_on(const MeshModel& model, const Eigen::VectorXd& x, const Eigen::VectorXd& parameters) {
     if (model.history_count() == 0) return true;
-    std::vector<Eigen::Index> all;
-    for (Eigen::Index p = 0; p < model.parameter_count(); ++p) all.push_back(p);
-    const Eigen::MatrixXd shape_stays = Eigen::MatrixXd::Zero(x.size(), model.parameter_count());
-    return model.carry_history_change(x, parameters, history, shape_stays, all, by_parameter) ==
-               mechanics::AssemblyStatus::ok &&
+    shape_stays.setZero(x.size(), model.parameter_count());
+    return model.carry_history_change(x, parameters, history, shape_stays, all_parameters,
+                                      by_parameter) == mechanics::AssemblyStatus::ok &&
            model.end_of_step(x, parameters, history, history.state) ==
                mechanics::AssemblyStatus::ok;
   }

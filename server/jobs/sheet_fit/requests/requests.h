@@ -10,6 +10,7 @@
 #include <functional>
 #include <stop_token>
 
+#include "server/estimation/sequences/sequence_evaluator.h"
 #include "server/jobs/results/run_job.h"
 #include "server/jobs/sheet_fit/progress/stage_checkpoint.h"
 #include "server/jobs/sheet_fit/requests/found.h"
@@ -25,6 +26,14 @@ struct RequestWork {
   const std::stop_token& stop;
   const StartCheckpoint& starts;  ///< those that ended in an earlier attempt
 };
+
+/// How the requests evaluate sequences.
+inline estimation::SequenceOptions sequence_options(const RequestWork& work) {
+  estimation::SequenceOptions options;
+  options.threads = work.threads;
+  options.tolerance_N = work.tolerance_N;
+  return options;
+}
 
 /// `predict_again` makes found.after of a model. Errors as its and as those of the requests.
 Expected<void> fulfil_requests(

@@ -59,10 +59,7 @@ Eigen::VectorXd weights_of(const SequenceEvaluator& evaluator) {
 
 Expected<SequenceEvaluator> evaluator_of(const model::Model& model, const SheetFindings& found,
                                          const RequestWork& work) {
-  estimation::SequenceOptions options;
-  options.threads = work.threads;
-  options.tolerance_N = work.tolerance_N;
-  return SequenceEvaluator::make(model, compared_sequences(found), options);
+  return SequenceEvaluator::make(model, compared_sequences(found), sequence_options(work));
 }
 
 /// Rounding aside, which is judged by the size that the parameters had: a curve that was pressed to

@@ -43,10 +43,7 @@ MaterialSamples samples_over(const std::vector<Sequence>& sequences) {
 estimation::MakeFor evaluators_of(const std::vector<Sequence>& sequences, const RequestWork& work) {
   return [&sequences,
           &work](const model::Model& model) -> Expected<std::unique_ptr<ResidualFunction>> {
-    estimation::SequenceOptions options;
-    options.threads = work.threads;
-    options.tolerance_N = work.tolerance_N;
-    auto made = SequenceEvaluator::make(model, sequences, options);
+    auto made = SequenceEvaluator::make(model, sequences, sequence_options(work));
     if (!made) return tl::unexpected(made.error());
     return std::make_unique<SequenceEvaluator>(std::move(*made));
   };

@@ -32,11 +32,8 @@ bool take(const Eigen::VectorXd& parameters, const SheetFindings& found, const R
   const auto all = estimation::parameters_of(start);
   for (std::size_t k = 0; k < all.size(); ++k)
     all[k]->value = parameters[static_cast<Eigen::Index>(k)];
-  estimation::SequenceOptions options;
-  options.threads = work.threads;
-  options.tolerance_N = work.tolerance_N;
   auto evaluator = estimation::SequenceEvaluator::make(
-      start, compared_sequences(found, FramesStart::as_measured), options);
+      start, compared_sequences(found, FramesStart::as_measured), sequence_options(work));
   if (!evaluator) return false;
   const auto fitted = estimation::fit(*evaluator, start, fit_options(found, work));
   if (!fitted.usable) return false;

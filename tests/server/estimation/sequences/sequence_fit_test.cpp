@@ -8,12 +8,14 @@
 #include "server/estimation/fit.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
 #include "tests/server/estimation/sequences/bars.h"
+#include "tests/server/estimation/whole_differences.h"
 
 namespace tenter::estimation {
 namespace {
 
 using testing::between_bars;
 using testing::cloth_model;
+using testing::expect_whole_differences;
 using testing::measured_sequences;
 using testing::true_values;
 
@@ -21,22 +23,8 @@ TEST(SequenceFit, JacobianFollowsWholeSolves) {
   const Eigen::VectorXd at = 1.1 * true_values();
   auto evaluator =
       SequenceEvaluator::make(cloth_model(at), measured_sequences(3), {2, 1e-12}).value();
-  Eigen::VectorXd residuals, high, low;
-  RowMatrix jacobian;
-  ASSERT_EQ(evaluator.evaluate(at, residuals, &jacobian), mechanics::PathStatus::ok)
-      << evaluator.failure();
   EXPECT_EQ(evaluator.row_count(), 3 * 5 * (9 * 3 + 1));
-  for (int p = 0; p < evaluator.parameter_count(); ++p) {
-    const double h = 1e-4 * at[p];
-    Eigen::VectorXd up = at, down = at;
-    up[p] += h;
-    down[p] -= h;
-    ASSERT_EQ(evaluator.evaluate(up, high, nullptr), mechanics::PathStatus::ok);
-    ASSERT_EQ(evaluator.evaluate(down, low, nullptr), mechanics::PathStatus::ok);
-    const Eigen::VectorXd column = (high - low) / (2.0 * h);
-    EXPECT_GT(column.norm() * at[p], 1.0) << p;  // the data tell something of every parameter
-    EXPECT_LT((jacobian.col(p) - column).norm(), 1e-5 * column.norm()) << p;
-  }
+  expect_whole_differences(evaluator, at, {0, 1, 2, 3, 4, 5});
 }
 
 TEST(SequenceFit, TheJacobianBySomeParametersIsThatByAllOfThem) {

@@ -7,12 +7,13 @@
 
 #include "common/model/catalogue.h"
 #include "common/model/presets.h"
-#include "server/estimation/least_squares/bounded/bounded_least_squares.h"
+#include "server/estimation/least_squares/bounded_least_squares.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/staged/splines/strain_histogram.h"
 #include "server/mechanics/law.h"
 #include "tests/server/estimation/staged/small_rig.h"
+#include "tests/server/estimation/whole_differences.h"
 
 namespace tenter::estimation {
 namespace {
@@ -76,21 +77,7 @@ TEST(ParameterTies, JacobianGoesThroughTheMap) {
   ASSERT_EQ(ties.map.cols(), 12);
   ties.map(5, 2) = 0.5;  // any linear map will do
   TiedFunction tied(evaluator, ties);
-  const Eigen::VectorXd q = ties.values();
-  Eigen::VectorXd residuals, high, low;
-  RowMatrix jacobian;
-  ASSERT_EQ(tied.evaluate(q, residuals, &jacobian), mechanics::PathStatus::ok);
-  for (const Eigen::Index k : {0, 2, 7, 10}) {
-    const double h = 1e-4 * q[k];
-    Eigen::VectorXd up = q, down = q;
-    up[k] += h;
-    down[k] -= h;
-    ASSERT_EQ(tied.evaluate(up, high, nullptr), mechanics::PathStatus::ok);
-    ASSERT_EQ(tied.evaluate(down, low, nullptr), mechanics::PathStatus::ok);
-    const Eigen::VectorXd column = (high - low) / (2.0 * h);
-    EXPECT_GT(column.norm() * q[k], 1.0) << k;
-    EXPECT_LT((jacobian.col(k) - column).norm(), 1e-5 * column.norm()) << k;
-  }
+  testing::expect_whole_differences(tied, ties.values(), {0, 2, 7, 10});
 }
 
 TEST(ParameterTies, SaysWhatCannotBeTied) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/estimation/least_squares/gauss_newton.h"
+#include "server/estimation/least_squares/search/gauss_newton.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -15,29 +15,30 @@ class LineSearchFit {
                 const GaussNewtonOptions& options, Eigen::VectorXd& x)
       : objective_(objective), lower_(lower), upper_(upper), options_(options), x_(x) {}
 
-  GaussNewtonResult run() {
+  SearchResult run() {
     r_.resize(objective_.row_count());
     trial_r_.resize(objective_.row_count());
     j_.resize(objective_.row_count(), objective_.parameter_count());
-    GaussNewtonResult result;
+    SearchResult result;
     if (!linearise()) return result;
     mu_ = options_.damping ? kFirstDamping : 0.0;
-    result.end = GaussNewtonEnd::out_of_steps;
-    while (result.iterations < options_.max_iterations) {
+    result.end = SearchEnd::out_of_steps;
+    while (result.iterations < options_.search.max_iterations) {
       ++result.iterations;
       const double before = r_.norm();
       const bool is_lower = take_step();
       result.cost = r_.squaredNorm();
-      if (options_.on_iteration && !options_.on_iteration(result.iterations, result.cost)) {
-        result.end = GaussNewtonEnd::stopped;
+      if (options_.search.on_iteration &&
+          !options_.search.on_iteration(result.iterations, result.cost)) {
+        result.end = SearchEnd::stopped;
         break;
       }
       if (!is_lower) {
-        result.end = GaussNewtonEnd::no_descent;
+        result.end = SearchEnd::no_descent;
         break;
       }
-      if (before - r_.norm() <= options_.stop * before) {
-        result.end = GaussNewtonEnd::converged;
+      if (before - r_.norm() <= options_.search.tolerance * before) {
+        result.end = SearchEnd::converged;
         break;
       }
     }
@@ -119,25 +120,9 @@ class LineSearchFit {
 
 }  // namespace
 
-std::string describe(GaussNewtonEnd end) {
-  switch (end) {
-    case GaussNewtonEnd::converged:
-      return "converged";
-    case GaussNewtonEnd::no_descent:
-      return "converged: no step lowers the residual";
-    case GaussNewtonEnd::out_of_steps:
-      return "the limit of iterations was reached";
-    case GaussNewtonEnd::stopped:
-      return "stopped";
-    case GaussNewtonEnd::no_start:
-      return "the model has no equilibrium at the start values";
-  }
-  return {};
-}
-
-GaussNewtonResult minimise_by_gauss_newton(Objective& objective, const Eigen::VectorXd& lower,
-                                           const Eigen::VectorXd& upper,
-                                           const GaussNewtonOptions& options, Eigen::VectorXd& x) {
+SearchResult minimise_by_gauss_newton(Objective& objective, const Eigen::VectorXd& lower,
+                                      const Eigen::VectorXd& upper,
+                                      const GaussNewtonOptions& options, Eigen::VectorXd& x) {
   return LineSearchFit(objective, lower, upper, options, x).run();
 }
 

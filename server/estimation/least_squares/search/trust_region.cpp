@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/estimation/least_squares/trust_region.h"
+#include "server/estimation/least_squares/search/trust_region.h"
 
 #include <ceres/ceres.h>
 
@@ -39,7 +39,7 @@ class Watch final : public ceres::IterationCallback {
 };
 
 TrustRegionResult by_ceres(Objective& objective, const Eigen::VectorXd& lower,
-                           const Eigen::VectorXd& upper, const TrustRegionOptions& options,
+                           const Eigen::VectorXd& upper, const SearchOptions& options,
                            Eigen::VectorXd& x) {
   CeresCost cost(objective);
   ceres::Problem::Options ownership;
@@ -104,7 +104,7 @@ std::vector<int> worth_moving(Objective& objective, const Eigen::VectorXd& lower
 
 TrustRegionResult minimise_by_trust_region(Objective& objective, const Eigen::VectorXd& lower,
                                            const Eigen::VectorXd& upper,
-                                           const TrustRegionOptions& options, Eigen::VectorXd& x) {
+                                           const SearchOptions& options, Eigen::VectorXd& x) {
   TrustRegionResult result = by_ceres(objective, lower, upper, options, x);
   constexpr double kWorth = 10.0;  // tolerances: Ceres ends on what is below one
   constexpr int kRounds = 10;
@@ -114,7 +114,7 @@ TrustRegionResult minimise_by_trust_region(Objective& objective, const Eigen::Ve
     if (moving.empty()) break;
     Objective part = objective.with_free(moving);
     Eigen::VectorXd x_part = x(moving);
-    TrustRegionOptions how = options;
+    SearchOptions how = options;
     how.max_iterations = options.max_iterations - result.iterations;
     if (how.max_iterations <= 0) break;
     if (options.on_iteration)

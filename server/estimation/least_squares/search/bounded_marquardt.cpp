@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/estimation/least_squares/bounded/bounded_marquardt.h"
+#include "server/estimation/least_squares/search/bounded_marquardt.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "server/estimation/least_squares/bounded/bounded_least_squares.h"
+#include "server/estimation/least_squares/bounded_least_squares.h"
 
 namespace tenter::estimation {
 namespace {
@@ -20,26 +20,24 @@ constexpr double kTaken = 1e-3;  // less is no step
 class Search {
  public:
   Search(Objective& objective, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
-         const BoundedMarquardtOptions& options, Eigen::VectorXd& x)
+         const SearchOptions& options, Eigen::VectorXd& x)
       : objective_(objective), lower_(lower), upper_(upper), options_(options), x_(x) {}
 
-  BoundedMarquardtResult run() {
+  SearchResult run() {
     const Eigen::Index rows = objective_.row_count();
     r_.resize(rows);
     trial_r_.resize(rows);
     j_.resize(rows, objective_.parameter_count());
     x_ = x_.cwiseMax(lower_).cwiseMin(upper_);
     if (!linearise()) return result_;
-    if (!report()) return end(BoundedMarquardtEnd::stopped);
+    if (!report()) return end(SearchEnd::stopped);
     while (true) {
-      if (promise(step(0.0)) <= options_.tolerance * cost_)
-        return end(BoundedMarquardtEnd::converged);
-      if (result_.iterations >= options_.max_iterations)
-        return end(BoundedMarquardtEnd::out_of_steps);
+      if (promise(step(0.0)) <= options_.tolerance * cost_) return end(SearchEnd::converged);
+      if (result_.iterations >= options_.max_iterations) return end(SearchEnd::out_of_steps);
       const double before = cost_;
       if (const auto stop = take_step()) return end(*stop);
-      if (!report()) return end(BoundedMarquardtEnd::stopped);
-      if (before - cost_ <= options_.tolerance * before) return end(BoundedMarquardtEnd::converged);
+      if (!report()) return end(SearchEnd::stopped);
+      if (before - cost_ <= options_.tolerance * before) return end(SearchEnd::converged);
     }
   }
 
@@ -54,19 +52,19 @@ class Search {
     return !options_.on_iteration || options_.on_iteration(result_.iterations, cost_);
   }
 
-  BoundedMarquardtResult end(BoundedMarquardtEnd how) {
+  SearchResult end(SearchEnd how) {
     result_.end = how;
     result_.cost = cost_;
     return result_;
   }
 
   /// Tries shorter steps until one lowers the cost. A value says why to stop.
-  std::optional<BoundedMarquardtEnd> take_step() {
+  std::optional<SearchEnd> take_step() {
     while (result_.iterations < options_.max_iterations) {
       ++result_.iterations;
       const Eigen::VectorXd d = step(damping_);
       const double promised = promise(d);
-      if (!(promised > 0.0)) return BoundedMarquardtEnd::no_descent;
+      if (!(promised > 0.0)) return SearchEnd::no_descent;
       const Eigen::VectorXd trial = (x_ + d).cwiseMax(lower_).cwiseMin(upper_);
       const bool has_rest = objective_.evaluate(trial.data(), trial_r_.data(), nullptr);
       const double gain = has_rest ? (cost_ - trial_r_.squaredNorm()) / promised : -1.0;
@@ -81,9 +79,9 @@ class Search {
         x_ = before;
       }
       damping_ = std::max(kFirstDamping, 10.0 * damping_);
-      if (damping_ > kMostDamping) return BoundedMarquardtEnd::no_descent;
+      if (damping_ > kMostDamping) return SearchEnd::no_descent;
     }
-    return BoundedMarquardtEnd::out_of_steps;
+    return SearchEnd::out_of_steps;
   }
 
   Eigen::VectorXd step(double damping) const {
@@ -102,38 +100,20 @@ class Search {
   Objective& objective_;
   const Eigen::VectorXd& lower_;
   const Eigen::VectorXd& upper_;
-  const BoundedMarquardtOptions& options_;
+  const SearchOptions& options_;
   Eigen::VectorXd& x_;
   Eigen::VectorXd r_, trial_r_;
   RowMatrix j_;
   double cost_ = 0.0;
   double damping_ = kFirstDamping;
-  BoundedMarquardtResult result_;
+  SearchResult result_;
 };
 
 }  // namespace
 
-std::string describe(BoundedMarquardtEnd end) {
-  switch (end) {
-    case BoundedMarquardtEnd::converged:
-      return "converged";
-    case BoundedMarquardtEnd::no_descent:
-      return "converged: no step lowers the cost";
-    case BoundedMarquardtEnd::out_of_steps:
-      return "the limit of iterations was reached";
-    case BoundedMarquardtEnd::stopped:
-      return "stopped";
-    case BoundedMarquardtEnd::no_start:
-      return "the model has no equilibrium at the start values";
-  }
-  return {};
-}
-
-BoundedMarquardtResult minimise_by_bounded_marquardt(Objective& objective,
-                                                     const Eigen::VectorXd& lower,
-                                                     const Eigen::VectorXd& upper,
-                                                     const BoundedMarquardtOptions& options,
-                                                     Eigen::VectorXd& x) {
+SearchResult minimise_by_bounded_marquardt(Objective& objective, const Eigen::VectorXd& lower,
+                                           const Eigen::VectorXd& upper,
+                                           const SearchOptions& options, Eigen::VectorXd& x) {
   return Search(objective, lower, upper, options, x).run();
 }
 

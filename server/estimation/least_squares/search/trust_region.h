@@ -9,19 +9,12 @@
 // A point without an equilibrium shortens the step. One thread.
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "server/estimation/least_squares/objective.h"
+#include "server/estimation/least_squares/search/search_result.h"
 
 namespace tenter::estimation {
-
-struct TrustRegionOptions {
-  int max_iterations = 80;
-  double tolerance = 1e-7;  ///< least fall of the cost, relative
-  /// Called after each iteration with its number and cost; returns false to stop.
-  std::function<bool(int, double)> on_iteration;
-};
 
 struct TrustRegionResult {
   bool converged = false;
@@ -33,6 +26,6 @@ struct TrustRegionResult {
 /// `x`: start and result, scaled. Bounds of each: infinite where there is none.
 TrustRegionResult minimise_by_trust_region(Objective& objective, const Eigen::VectorXd& lower,
                                            const Eigen::VectorXd& upper,
-                                           const TrustRegionOptions& options, Eigen::VectorXd& x);
+                                           const SearchOptions& options, Eigen::VectorXd& x);
 
 }  // namespace tenter::estimation

@@ -8,14 +8,14 @@
 
 #include "server/estimation/residual_function.h"
 
-namespace tenter::testing {
+namespace tenter::estimation::testing {
 
 /// Columns `some` of the Jacobian at `at` follow differences to 1e-5, and the data tell something
 /// of each: a parameter that falls to zero moves the residuals by more than one sigma.
-inline void expect_whole_differences(estimation::ResidualFunction& function,
-                                     const Eigen::VectorXd& at, const std::vector<int>& some) {
+inline void expect_whole_differences(ResidualFunction& function, const Eigen::VectorXd& at,
+                                     const std::vector<int>& some) {
   Eigen::VectorXd residuals, high, low;
-  estimation::RowMatrix jacobian;
+  RowMatrix jacobian;
   ASSERT_EQ(function.evaluate(at, residuals, &jacobian), mechanics::PathStatus::ok);
   for (const int p : some) {
     const double h = 1e-4 * at[p];
@@ -30,4 +30,4 @@ inline void expect_whole_differences(estimation::ResidualFunction& function,
   }
 }
 
-}  // namespace tenter::testing
+}  // namespace tenter::estimation::testing

@@ -331,6 +331,10 @@ class ElementGroup final : public MeshModel::Group {
     return AssemblyStatus::ok;
   }
 
+  // history/group_history.h
+  template <class Work>
+  AssemblyStatus each_remembering(const double* x, const History& history, Work work) const;
+
   Elements elements_;
 };
 

@@ -121,7 +121,7 @@ Expected<StepResult> TimeStepper::step(const Eigen::VectorXd& parameters, const 
   if (options.is_linearised)
     result.last.end = solve_linearised(potential, motion.at, result);
   else
-    solve(potential, input, options, result);
+    solve(potential, options, result);
   if (!end_.x.allFinite()) return fail(ErrorKind::refused, "the step's result is not finite");
   if (!result.is_solved(options)) return result;
   report(potential, motion, result);
@@ -172,7 +172,7 @@ void TimeStepper::start_constraints(const Potential& potential, const StepInput&
   rounds_.contact().set_penalty(penalty_N_m_);
 }
 
-void TimeStepper::solve(const Potential& potential, const StepInput&, const StepOptions& options,
+void TimeStepper::solve(const Potential& potential, const StepOptions& options,
                         StepResult& result) {
   const bool has_constraints = !obstacles_.empty() || model_->limited_count() > 0;
   const ConstraintTolerance tolerance{options.contact_depth_m, options.limit_tolerance};

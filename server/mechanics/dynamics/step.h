@@ -110,8 +110,7 @@ class TimeStepper {
   bool start_history(const Eigen::VectorXd& parameters, double duration_s, Motion& motion);
   void start_constraints(const Potential& potential, const StepInput& input,
                          const StepOptions& options);
-  void solve(const Potential& potential, const StepInput& input, const StepOptions& options,
-             StepResult& result);
+  void solve(const Potential& potential, const StepOptions& options, StepResult& result);
   MinimiseEnd solve_linearised(const Potential& potential, const State& start, StepResult& result);
   void report(const Potential& potential, const Motion& motion, StepResult& result);
 

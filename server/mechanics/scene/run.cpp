@@ -155,15 +155,10 @@ Expected<bool> SceneRun::advance(const std::function<Levels(double)>& levels_at,
   return true;
 }
 
-Expected<bool> SceneRun::finish(const Levels& levels, const State& state, SceneFrame& frame) {
+bool SceneRun::tell(const Levels& levels, const State& state, Eigen::VectorXd by_node,
+                    SceneFrame& frame) {
   frame.state = state;
   frame.levels = levels;
-  frame.energy_J = last_.energy_J;
-  frame.stability = last_.stability;
-  frame.net_force_N = last_.last.net_force_N;
-  frame.contact_violation_m = last_.contact_violation_m;
-  frame.limit_violation = last_.limit_violation;
-  Eigen::VectorXd by_node = last_.by_node;
   if (!set_up_.boundary.pressed.empty())
     by_node -= rim_force_N(set_up_.boundary, levels.pressure_Pa, state.x);
   frame.reactions.clear();
@@ -177,6 +172,19 @@ Expected<bool> SceneRun::finish(const Levels& levels, const State& state, SceneF
   }
   for (const int term : remembering_) frame.term_energies_J[term] = work_J_[term];
   return true;
+}
+
+Expected<bool> SceneRun::finish(const Levels& levels, const State& state, SceneFrame& frame) {
+  tell_rest(frame);
+  frame.energy_J = last_.energy_J;
+  return tell(levels, state, last_.by_node, frame);
+}
+
+void SceneRun::tell_rest(SceneFrame& frame) const {
+  frame.stability = last_.stability;
+  frame.net_force_N = last_.last.net_force_N;
+  frame.contact_violation_m = last_.contact_violation_m;
+  frame.limit_violation = last_.limit_violation;
 }
 
 Expected<SceneEnd> SceneRun::walk(const SceneHooks& hooks) {

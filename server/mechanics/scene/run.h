@@ -117,6 +117,11 @@ class SceneRun {
   /// numbers.
   bool remember(const State& from, const State& to);
   Expected<bool> finish(const Levels& levels, const State& state, SceneFrame& frame);
+  /// Of every frame: where it is, what holds it (`by_node`: slope of the energy over all nodes),
+  /// its strains and energies. False where those are no numbers.
+  bool tell(const Levels& levels, const State& state, Eigen::VectorXd by_node, SceneFrame& frame);
+  /// How well the last equilibrium is one.
+  void tell_rest(SceneFrame& frame) const;
 
   // in motion: walk_in_time.cpp
   Expected<SceneEnd> walk_in_time(const SceneHooks& hooks);

@@ -65,29 +65,16 @@ bool SceneRun::count_work(const Motion& motion) {
 bool SceneRun::finish_instant(const Levels& levels, const Motion& motion,
                               const Eigen::VectorXd& by_node, SceneFrame& frame) {
   const State& state = motion.at;
-  frame.state = state;
-  frame.levels = levels;
-  Eigen::VectorXd slope = by_node;
-  if (!set_up_.boundary.pressed.empty())
-    slope -= rim_force_N(set_up_.boundary, levels.pressure_Pa, state.x);
-  frame.reactions.clear();
-  for (std::size_t c = 0; c < set_up_.boundary.clips.size(); ++c)
-    frame.reactions.push_back(
-        reaction(set_up_.boundary.clips[c], state.x, slope, state.clips[c].position_m));
-  if (model_->term_energies(state.x, parameters_, frame.term_energies_J) != AssemblyStatus::ok ||
-      model_->term_strains(state.x, frame.strains) != AssemblyStatus::ok) {
-    failure_ = "energies or strains of the state are no numbers";
-    return false;
-  }
-  for (const int term : remembering_) frame.term_energies_J[term] = 0.0;
+  if (!tell(levels, state, by_node, frame)) return false;
+  Eigen::VectorXd stored_J = frame.term_energies_J;
+  for (const int term : remembering_) stored_J[term] = 0.0;
   const Loads loads = loads_at(set_up_, body_, levels);
-  frame.energy_J = frame.term_energies_J.sum();
+  frame.energy_J = stored_J.sum();
   add_loads(loads, set_up_.boundary, state.x, {&frame.energy_J});
   for (std::size_t c = 0; c < set_up_.boundary.clips.size(); ++c)
     if (set_up_.boundary.clips[c].is_free)
       frame.energy_J +=
           clip_potential_J(loads, set_up_.boundary, static_cast<int>(c), state.clips[c]);
-  for (const int term : remembering_) frame.term_energies_J[term] = work_J_[term];
   SceneInstant& instant = frame.instant.emplace();
   instant.time_s = motion.time_s;
   instant.kinetic_J = momenta(set_up_.boundary, loads.node_mass_kg, motion).kinetic_J;
@@ -123,10 +110,7 @@ Expected<SceneEnd> SceneRun::walk_in_time(const SceneHooks& hooks) {
     const auto found = begin(levels, hooks, start, frame);
     if (!found) return tl::unexpected(found.error());
     if (!*found) return stop("no equilibrium was found for frame 0, the start: " + failure_);
-    frame.net_force_N = last_.last.net_force_N;
-    frame.contact_violation_m = last_.contact_violation_m;
-    frame.limit_violation = last_.limit_violation;
-    frame.stability = last_.stability;
+    tell_rest(frame);
   } else if (hooks.go_on && !hooks.go_on(0, 0)) {
     was_stopped_ = true;
     return stop("");

@@ -10,12 +10,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "server/mechanics/dynamics/step.h"
+#include "tests/bench/cpu_time.h"
 #include "tests/bench/equilibrium/case_file.h"
 #include "tests/bench/equilibrium/cholmod_floor.h"
 
@@ -33,18 +33,12 @@ constexpr int kRepeats = 3;
   std::exit(1);
 }
 
-double cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
 double best_ms(const std::function<void()>& work) {
   double best = 1e300;
   for (int k = 0; k < kRepeats; ++k) {
-    const double start = cpu_ms();
+    const double start = timing::thread_cpu_ms();
     work();
-    best = std::min(best, cpu_ms() - start);
+    best = std::min(best, timing::thread_cpu_ms() - start);
   }
   return best;
 }
@@ -117,14 +111,29 @@ Cost walk(const Bench& bench, TimeStepper& stepper, const StepOptions& options, 
   return cost;
 }
 
-double floor_ms(const Bench& bench, const TimeStepper& stepper, const Motion& motion) {
-  StepStart start;
-  start_step(TimeScheme::implicit_euler, bench.file.boundary, motion, kStep_s, start);
+/// What a step from `motion` makes small, without friction.
+struct StepProblem {
+  StepProblem(const Bench& bench, const TimeStepper& stepper, const Motion& motion)
+      : inertia(inertia_of(bench, motion)),
+        potential(*bench.model, bench.file.parameters, bench.file.boundary, stepper.unknowns(),
+                  bench.file.loads, contact, nullptr, nullptr, &inertia) {}
+
+  static Inertia inertia_of(const Bench& bench, const Motion& motion) {
+    StepStart start;
+    start_step(TimeScheme::implicit_euler, bench.file.boundary, motion, kStep_s, start);
+    Inertia inertia;
+    inertia.set(bench.file.boundary, bench.file.loads.node_mass_kg, start);
+    return inertia;
+  }
+
+  Contact contact;
   Inertia inertia;
-  inertia.set(bench.file.boundary, bench.file.loads.node_mass_kg, start);
-  const Contact none;
-  const Potential potential(*bench.model, bench.file.parameters, bench.file.boundary,
-                            stepper.unknowns(), bench.file.loads, none, nullptr, nullptr, &inertia);
+  Potential potential;
+};
+
+double floor_ms(const Bench& bench, const TimeStepper& stepper, const Motion& motion) {
+  const StepProblem problem(bench, stepper, motion);
+  const Potential& potential = problem.potential;
   PotentialValue value;
   if (!potential.evaluate_with_stiffness(motion.at, 1.0, value)) give_up("not finite");
   double best = 1e300;
@@ -145,13 +154,8 @@ double floor_ms(const Bench& bench, const TimeStepper& stepper, const Motion& mo
 
 void print_parts(const Bench& bench, const TimeStepper& stepper, const Motion& motion,
                  double floor) {
-  StepStart start;
-  start_step(TimeScheme::implicit_euler, bench.file.boundary, motion, kStep_s, start);
-  Inertia inertia;
-  inertia.set(bench.file.boundary, bench.file.loads.node_mass_kg, start);
-  const Contact none;
-  const Potential potential(*bench.model, bench.file.parameters, bench.file.boundary,
-                            stepper.unknowns(), bench.file.loads, none, nullptr, nullptr, &inertia);
+  const StepProblem problem(bench, stepper, motion);
+  const Potential& potential = problem.potential;
   PotentialValue value;
   const auto print = [&](const char* what, const std::function<void()>& work) {
     work();

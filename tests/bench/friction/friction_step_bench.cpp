@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +17,7 @@
 #include "common/model/catalogue.h"
 #include "common/model/presets.h"
 #include "server/mechanics/dynamics/step.h"
+#include "tests/bench/cpu_time.h"
 
 namespace {
 
@@ -28,12 +28,6 @@ constexpr double kStep_s = 0.01;
 constexpr int kWarm = 30;
 constexpr int kSteps = 20;
 constexpr int kRepeats = 3;
-
-double cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 model::Term friction(const std::string& strain, double a, double b, double tau) {
   model::Term term;
@@ -107,20 +101,20 @@ Times times_of(int nodes, bool rubs) {
       StepOptions linearised = options;
       linearised.is_linearised = true;
       Motion copy = from;
-      double start = cpu_ms();
+      double start = timing::thread_cpu_ms();
       const auto step = stepper.step(parameters, input, copy, linearised);
-      now.linearised_ms += (cpu_ms() - start) / kSteps;
+      now.linearised_ms += (timing::thread_cpu_ms() - start) / kSteps;
       if (!step) std::exit(1);
       const History history{from.history.size() > 0 ? from.history : model.never_strained().state,
                             kStep_s};
-      start = cpu_ms();
+      start = timing::thread_cpu_ms();
       if (model.evaluate(from.at.x, parameters, {&energy, &gradient, &matrix}, nullptr, &history) !=
           AssemblyStatus::ok)
         std::exit(1);
-      now.evaluation_ms += (cpu_ms() - start) / kSteps;
-      start = cpu_ms();
+      now.evaluation_ms += (timing::thread_cpu_ms() - start) / kSteps;
+      start = timing::thread_cpu_ms();
       now.iterations += static_cast<double>(go(from, options)) / kSteps;
-      now.converged_ms += (cpu_ms() - start) / kSteps;
+      now.converged_ms += (timing::thread_cpu_ms() - start) / kSteps;
     }
     best.linearised_ms = std::min(best.linearised_ms, now.linearised_ms);
     best.converged_ms = std::min(best.converged_ms, now.converged_ms);

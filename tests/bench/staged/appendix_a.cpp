@@ -135,7 +135,7 @@ int main(int argc, char** argv) {
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
       for (std::size_t k = next++; k < variants.size(); k = next++) {
-        const double before = bench::thread_cpu_seconds();
+        const double before = timing::thread_cpu_seconds();
         estimation::StagedOptions options;
         options.stage.threads = 1;
         options.stage.most_points = points;
@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
           cells[k].row = std::move(*row);
         else
           cells[k].error = row.error().message;
-        cells[k].cpu_seconds = bench::thread_cpu_seconds() - before;
+        cells[k].cpu_seconds = timing::thread_cpu_seconds() - before;
       }
     };
     std::vector<std::thread> workers;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/estimation/staged/roles.h"
+#include "tests/bench/cpu_time.h"
 #include "tests/twin/fabrics/fabric.h"
 
 namespace tenter::bench {
@@ -25,8 +26,7 @@ std::vector<estimation::RoleSequence> evaluation_sequences(const std::string& fa
                                                            const RigSettings& settings);
 
 double peak_memory_MB();
-double cpu_seconds();         ///< of the process
-double thread_cpu_seconds();  ///< of the calling thread
+double cpu_seconds();  ///< of the process
 
 /// "--name=value" of a command line, or what is given.
 std::string argument(int argc, char** argv, const std::string& name, const std::string& otherwise);

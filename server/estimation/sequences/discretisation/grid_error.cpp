@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/estimation/sequences/discretisation/grid_error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -8,8 +9,10 @@
 #include <variant>
 
 #include "common/base/not_a_number.h"
+#include "server/estimation/parallel.h"
 #include "server/estimation/sequences/observations.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
+#include "server/mechanics/assembly/mesh_model.h"
 #include "server/mechanics/law.h"
 
 namespace tenter::estimation {
@@ -43,26 +46,62 @@ bool have_same_channels(const Sequence& a, const Sequence& b) {
   return true;
 }
 
-/// Residuals of the rows of one frame.
-struct FrameRows {
-  std::vector<Row> rows;
-  Eigen::VectorXd residuals;
+/// Simulated minus measured, in sigmas.
+struct FrameRow {
+  int channel = 0;
+  double residual = 0.0;
 };
+/// [frame]; none where the frame finds no rest.
+using Frames = std::vector<std::optional<std::vector<FrameRow>>>;
 
-/// None where the frame finds no rest, or has nothing measured.
-Expected<std::optional<FrameRows>> rows_of(const model::Model& model, const Sequence& sequence,
-                                           std::size_t frame) {
-  Sequence one = sequence;
-  one.frames = {sequence.frames[frame]};
-  if (one.frames.front().start) one.start = *one.frames.front().start;
-  auto evaluator = SequenceEvaluator::make(model, {std::move(one)});
+/// Puts the rows of these frames into `frames`; false where one of them finds no rest.
+Expected<bool> fill(const model::Model& model, Sequence part, std::size_t first, int threads,
+                    Frames& frames) {
+  SequenceOptions how;
+  how.threads = threads;
+  const std::size_t count = part.frames.size();
+  auto evaluator = SequenceEvaluator::make(model, {std::move(part)}, how);
   if (!evaluator) return tl::unexpected(evaluator.error());
-  FrameRows rows;
-  if (evaluator->evaluate(mechanics::term_parameters(model), rows.residuals, nullptr) !=
+  Eigen::VectorXd residuals;
+  if (evaluator->evaluate(mechanics::term_parameters(model), residuals, nullptr) !=
       mechanics::PathStatus::ok)
-    return std::nullopt;
-  rows.rows = evaluator->rows();
-  return rows;
+    return false;
+  for (std::size_t f = 0; f < count; ++f) frames[first + f].emplace();
+  for (std::size_t r = 0; r < evaluator->rows().size(); ++r) {
+    const Row& row = evaluator->rows()[r];
+    frames[first + static_cast<std::size_t>(row.frame)]->push_back(
+        {row.channel, residuals[static_cast<Eigen::Index>(r)]});
+  }
+  return true;
+}
+
+/// All frames together; where one finds no rest, each by itself, but of a model that remembers,
+/// whose frames are one path.
+Expected<Frames> frames_of(const model::Model& model, const Sequence& sequence, int threads) {
+  Frames frames(sequence.frames.size());
+  const auto together = fill(model, sequence, 0, threads, frames);
+  if (!together) return tl::unexpected(together.error());
+  const auto bound = mechanics::MeshModel::make(model, sequence.cloth);
+  if (*together || (bound && bound->history_count() > 0)) return frames;
+  std::vector<std::optional<Error>> trouble(frames.size());
+  in_parallel(threads, static_cast<int>(frames.size()), [&](int, int i) {
+    const auto f = static_cast<std::size_t>(i);
+    Sequence one = sequence;
+    one.frames = {sequence.frames[f]};
+    if (one.frames.front().start) one.start = *one.frames.front().start;
+    if (auto done = fill(model, std::move(one), f, 1, frames); !done) trouble[f] = done.error();
+  });
+  for (const auto& error : trouble)
+    if (error) return tl::unexpected(*error);
+  return frames;
+}
+
+double value_of(const Sequence& sequence, int channel, const GridError::Frame& frame) {
+  const int first_force = 3 * static_cast<int>(sequence.points.size());
+  const int first_scalar = first_force + static_cast<int>(sequence.forces.size());
+  if (channel < first_force) return frame.points_m(channel % 3, channel / 3);
+  if (channel < first_scalar) return frame.forces_N[channel - first_force];
+  return frame.scalars[channel - first_scalar];
 }
 
 /// Puts the difference of a channel's simulated values where its measured one is.
@@ -119,29 +158,28 @@ Expected<GridError> grid_error(const model::Model& model, const Sequence& coarse
   const Observations channels(coarse);
   GridError error;
   error.share_as_sigma = options.share_as_sigma;
+  const auto on_coarse = frames_of(model, coarse, options.threads);
+  if (!on_coarse) return tl::unexpected(on_coarse.error());
+  const auto on_fine = frames_of(model, fine, options.threads);
+  if (!on_fine) return tl::unexpected(on_fine.error());
   for (std::size_t f = 0; f < coarse.frames.size(); ++f) {
     GridError::Frame& frame = error.frames.emplace_back();
     frame.points_m.setZero(3, static_cast<Eigen::Index>(coarse.points.size()));
     frame.forces_N.setZero(static_cast<Eigen::Index>(coarse.forces.size()));
     frame.scalars.setZero(static_cast<Eigen::Index>(coarse.scalars.size()));
-    const auto on_coarse = rows_of(model, coarse, f);
-    if (!on_coarse) return tl::unexpected(on_coarse.error());
-    const auto on_fine = rows_of(model, fine, f);
-    if (!on_fine) return tl::unexpected(on_fine.error());
-    if (!*on_coarse || !*on_fine) continue;
-    const auto &a = **on_coarse, &b = **on_fine;
-    if (a.rows.size() != b.rows.size())
+    const auto &a = (*on_coarse)[f], &b = (*on_fine)[f];
+    if (!a || !b) continue;
+    if (a->size() != b->size())
       return bad_input("sequence \"" + coarse.name + "\", frame " + std::to_string(f + 1) +
                        ": other values are measured on the finer grid");
     frame.rests = true;
-    for (std::size_t r = 0; r < a.rows.size(); ++r) {
-      const int channel = a.rows[r].channel;
+    for (std::size_t r = 0; r < a->size(); ++r) {
+      const int channel = (*a)[r].channel;
       if (channels.kind(coarse, channel) == ObservationKind::position && !options.of_positions)
         continue;
       // both are (simulated - measured) / sigma of the same measured value
-      const auto row = static_cast<Eigen::Index>(r);
       put(coarse, channel,
-          factor * (b.residuals[row] - a.residuals[row]) * channels.sigma(coarse, channel), frame);
+          factor * ((*b)[r].residual - (*a)[r].residual) * channels.sigma(coarse, channel), frame);
     }
   }
   return error;
@@ -183,6 +221,28 @@ Sequence without_grid_error(Sequence sequence, const GridError& error) {
     sigma = wider(sigma, share, rms);
   }
   return sequence;
+}
+
+GridErrorSize size_of(const GridError& error, const Sequence& sequence, ObservationKind kind) {
+  const Observations channels(sequence);
+  GridErrorSize size;
+  for (std::size_t f = 0; f < error.frames.size(); ++f) {
+    if (!error.frames[f].rests) continue;
+    for (int c = 0; c < channels.count(); ++c) {
+      if (channels.kind(sequence, c) != kind ||
+          std::isnan(channels.measured(sequence.frames[f], c)))
+        continue;
+      const double value = value_of(sequence, c, error.frames[f]);
+      ++size.rows;
+      size.rms += value * value;
+      size.sigmas += std::pow(value / channels.sigma(sequence, c), 2);
+      size.largest = std::max(size.largest, std::abs(value));
+    }
+  }
+  if (size.rows == 0) return size;
+  size.rms = std::sqrt(size.rms / size.rows);
+  size.sigmas = std::sqrt(size.sigmas / size.rows);
+  return size;
 }
 
 }  // namespace tenter::estimation

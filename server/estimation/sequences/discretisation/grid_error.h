@@ -15,7 +15,8 @@
 //
 // The curves need only be near: e is small, and its change with them smaller. Where the two grids
 // fold at different places e of the positions says nothing (see folds/): so it is of forces,
-// torques and areas alone unless asked for. Pure; cost is each frame's equilibrium on both grids.
+// torques and areas alone unless asked for. A model that remembers its path goes along all of it on
+// both grids. Pure; cost is each frame's equilibrium on both grids.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,6 +24,7 @@
 
 #include "common/base/error.h"
 #include "common/model/model.h"
+#include "server/estimation/sequences/observations.h"
 #include "server/estimation/sequences/sequence.h"
 
 namespace tenter::estimation {
@@ -31,6 +33,7 @@ struct GridErrorOptions {
   double order = 1.3;            ///< p, above 0
   bool of_positions = false;     ///< and lengths; else of the others alone
   double share_as_sigma = 0.15;  ///< how wrong e is; at least 0
+  int threads = 1;               ///< the same bytes for any number
 };
 
 /// e of each frame, as the sequence has its measured values; zero where it is not estimated.
@@ -53,5 +56,15 @@ Expected<GridError> grid_error(const model::Model& model, const Sequence& coarse
 /// `sequence` is the coarse one. Frames without an estimate have no measured forces and scalars any
 /// more: what they show is not comparable with the others.
 Sequence without_grid_error(Sequence sequence, const GridError& error);
+
+/// How large e is, over the values that frames with an estimate measured.
+struct GridErrorSize {
+  double rms = 0.0;      ///< m or N
+  double largest = 0.0;  ///< magnitude
+  double sigmas = 0.0;   ///< rms of e / sigma
+  int rows = 0;          ///< none: all of it is zero
+};
+/// `sequence`: the coarse one, with the sigmas that it was measured with.
+GridErrorSize size_of(const GridError& error, const Sequence& sequence, ObservationKind kind);
 
 }  // namespace tenter::estimation

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What two coarse grids say of a third that is four times finer.
+// What two coarse grids say of a third that is four times finer, and of its curves.
 #include "server/estimation/sequences/discretisation/grid_error.h"
 
 #include <gtest/gtest.h>
 
+#include "server/estimation/staged/refit/grid_free_fit.h"
+#include "tests/twin/fabrics/sequences/coverage.h"
 #include "tests/twin/fabrics/sequences/same_mesh.h"
 
 namespace tenter::twin {
@@ -18,8 +20,7 @@ struct ThreeGrids {
   Sequence coarse, fine;
   MeasuredTwin on_coarse;
 };
-ThreeGrids three_grids() {
-  const Fabric wool = fabric("18");
+ThreeGrids three_grids(const Fabric& wool = fabric("18")) {
   const Protocol protocol = make_protocol(wool, "shear", {.frames = 3, .cells = kCells});
   GridOptions grid;
   grid.points_m = {{0.04, 0.06}, {0.05, 0.05}, {0.053, 0.071}};
@@ -81,6 +82,75 @@ TEST(GridError, GridsThatCannotBeComparedAreToldSo) {
   other = grids.fine;
   other.frames[1].forces_N[0] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(estimation::grid_error(truth, grids.coarse, other, {}));
+}
+
+/// Shear alone is looked for, from a third too much.
+model::Model start_of(const model::Model& truth) {
+  model::Model start = truth;
+  for (model::Term& term : start.terms)
+    for (model::Parameter& p : term.law.parameters) p.fixed = term.id != "shear";
+  start.terms[2].law.parameters[0].value *= 1.33;
+  return start;
+}
+
+TEST(GridFreeFit, FindsTheCurveOfTheClothNotOfTheGrid) {
+  const Fabric wool = reached_everywhere(fabric("18"));
+  const ThreeGrids grids = three_grids(wool);
+  const model::Model truth = fabric_model(wool);
+  const double shear = truth.terms[2].law.parameters[0].value;
+  const estimation::RoleSequence coarse{estimation::Role::shear, grids.coarse};
+  estimation::StageTask all{"all", {"shear"}, {}, {coarse}};
+  model::Model on_grid = start_of(truth);
+  const auto record = estimation::fit_stage(on_grid, all, {});
+  ASSERT_TRUE(record && record->done);
+  const auto off = [&](const model::Model& model) {
+    return model.terms[2].law.parameters[0].value / shear - 1.0;
+  };
+  EXPECT_LT(off(on_grid), -0.03);  // the grid is too stiff, its curve makes up for that
+
+  const double order = estimation::order_of(grids.coarse, false);
+  EXPECT_EQ(order, 1.3);
+  const std::vector<estimation::OnTwoGrids> measured = {{coarse, grids.fine, order}};
+  estimation::GridFreeOptions options;
+  const auto fit = estimation::grid_free_fit(on_grid, measured, options);
+  ASSERT_TRUE(fit) << fit.error().message;
+  EXPECT_TRUE(fit->settled);
+  EXPECT_LT(fit->change_sigmas, options.settled_sigmas);
+  EXPECT_GE(fit->rounds.size(), 1U);
+  EXPECT_LT(std::abs(off(fit->model)), 0.5 * std::abs(off(on_grid)));
+  // as large as what the coarse grid is wrong by at the true curve, and of these forces
+  const auto size = size_of(fit->errors[0], grids.coarse, estimation::ObservationKind::force);
+  EXPECT_EQ(size.rows, 3 * static_cast<int>(grids.coarse.forces.size()));
+  double squares = 0.0;
+  for (std::size_t f = 0; f < 3; ++f)
+    squares += (grids.on_coarse.sequence.frames[f].forces_N - grids.coarse.frames[f].forces_N)
+                   .squaredNorm();
+  EXPECT_NEAR(size.rms, std::sqrt(squares / size.rows), 0.3 * std::sqrt(squares / size.rows));
+  EXPECT_GE(size.largest, size.rms);
+
+  // the same bytes for two threads; one that is stopped says so
+  options.stage.threads = 2;
+  const auto again = estimation::grid_free_fit(on_grid, measured, options);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->model.terms[2].law.parameters[0].value,
+            fit->model.terms[2].law.parameters[0].value);
+  EXPECT_EQ(again->errors[0].frames[2].forces_N, fit->errors[0].frames[2].forces_N);
+  options.stage.on_progress = [](const estimation::StageProgress& p) { return p.iteration == 0; };
+  const auto stopped = estimation::grid_free_fit(on_grid, measured, options);
+  ASSERT_TRUE(stopped);
+  EXPECT_TRUE(stopped->stopped);
+}
+
+TEST(GridFreeFit, NeedsSomethingToFitTo) {
+  const ThreeGrids grids = three_grids();
+  const model::Model truth = fabric_model(fabric("18"));
+  std::vector<estimation::OnTwoGrids> measured = {
+      {{estimation::Role::evaluation, grids.coarse}, grids.fine, 1.3, false}};
+  EXPECT_FALSE(estimation::grid_free_fit(truth, measured, {}));
+  measured[0].is_fitted = true;
+  estimation::GridFreeOptions options;
+  options.most_rounds = 0;
+  EXPECT_FALSE(estimation::grid_free_fit(truth, measured, options));
 }
 
 }  // namespace

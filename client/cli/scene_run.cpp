@@ -14,8 +14,10 @@
 #include "client/cli/names.h"
 #include "client/cli/output.h"
 #include "client/cli/progress.h"
+#include "common/base/atomic_write.h"
 #include "common/frames/frames_file.h"
 #include "common/model/document.h"
+#include "common/report/experiment/figure.h"
 #include "common/scene/examples.h"
 
 namespace tenter::cli {
@@ -99,16 +101,24 @@ Expected<void> present(Context& context, const SceneJob& job, const std::string&
   if (context.json && completed) {
     Json digest = {{"job_id", job_id}};
     if (!job.output.empty()) digest["output"] = job.output;
+    if (!job.figure.empty()) digest["figure"] = job.figure;
     digest.update(*result);
     print_json(digest);
   } else if (!context.json) {
     print_summary(*result, job.output, job_id);
+    if (const auto numbers = report::experiment_text(text)) print_text("\n" + *numbers);
   }
   if (completed) return {};
   if (!job.output.empty()) context.details["output"] = job.output;
   return fail(ErrorKind::job_failed,
               "the scene was not completed: " + (*result)["reason"].get<std::string>() + "; " +
                   std::to_string((*result)["frames"].size()) + " frames before it are kept");
+}
+
+Expected<void> write_figure(const std::string& path, const std::string& result) {
+  const auto svg = report::experiment_svg(result);
+  if (!svg) return fail(svg.error().kind, "--figure: " + svg.error().message);
+  return write_atomically(path, svg->data(), svg->size());
 }
 
 /// The mesh file of the scene goes to the server, and its name into the scene.
@@ -145,7 +155,9 @@ std::string specification(const scene::SceneFile& scene, const model::Model& mod
 }
 
 Expected<model::Model> model_of(const SceneJob& job, const scene::Scene& scene) {
-  const char* usual = scene::is_solid(scene.mesh) ? "solid_neo_hookean" : "cloth_stvk";
+  const std::string usual = !scene.model.empty()          ? scene.model
+                            : scene::is_solid(scene.mesh) ? "solid_neo_hookean"
+                                                          : "cloth_stvk";
   Expected<model::Model> model = load_model(job.model.empty() ? usual : job.model);
   if (!model) return model;
   for (const std::string& assignment : job.sets)
@@ -198,6 +210,8 @@ Expected<void> set_parameter(model::Model& model, const std::string& assignment)
 Expected<void> run_scene(Context& context, const SceneJob& job) {
   Expected<scene::SceneFile> scene = load_scene(job.scene);
   if (!scene) return tl::unexpected(scene.error());
+  if (!job.figure.empty() && !scene->scene.experiment)
+    return bad_input("--figure: the scene has no 'experiment' that says what to show");
   const Expected<model::Model> model = model_of(job, scene->scene);
   if (!model) return tl::unexpected(model.error());
   if (!job.output.empty())
@@ -222,6 +236,8 @@ Expected<void> run_scene(Context& context, const SceneJob& job) {
   if (!result) return tl::unexpected(result.error());
   if (!job.output.empty())
     if (auto files = fetch_files(*client, submitted->job_id, job.output); !files) return files;
+  if (!job.figure.empty())
+    if (auto drawn = write_figure(job.figure, *result); !drawn) return drawn;
   return present(context, job, submitted->job_id, *result);
 }
 

@@ -14,11 +14,12 @@
 namespace tenter::cli {
 
 struct SceneJob {
-  std::string scene;              ///< shipped scene or file
-  std::string model;              ///< preset or file; "": cloth_stvk, of bodies solid_neo_hookean
+  std::string scene;  ///< shipped scene or file
+  std::string model;  ///< preset or file; "": the scene's, else cloth_stvk or solid_neo_hookean
   std::vector<std::string> sets;  ///< "term.parameter=value"
   SubmitOptions submit;
   bool detach = false;
+  std::string figure;  ///< SVG of the scene's experiment; "": none
   std::string output;  ///< folder for result.json, frames.h5 and frames.xdmf; "": nothing is kept
 };
 

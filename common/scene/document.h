@@ -10,6 +10,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/base/error.h"
 #include "common/scene/scene.h"
@@ -20,12 +21,23 @@ inline constexpr std::size_t kMaxDocumentBytes = 4u << 20;
 inline constexpr std::size_t kMaxMeshBytes = 256u << 20;
 inline constexpr int kMostFrames = 100'000;
 
-/// Parses and validates. `source_name` is what messages call the text.
+/// Parses and validates, the variants of its experiment too. `source_name` is what messages call
+/// the text.
 Expected<Scene> parse_scene(std::string_view json_text, std::string_view source_name);
 
 /// What the form alone cannot say: names that are used are there and unique, numbers are finite and
 /// make sense together. Messages begin with the path of the key.
 Expected<void> validate(const Scene& scene);
+
+/// One run of a scene: run 0 is the scene itself, the others are the variants of its experiment.
+struct Run {
+  std::string name;  ///< "" of a scene without an experiment
+  Scene scene;       ///< without an experiment
+  std::vector<std::string> without_laws;
+};
+
+/// Every run of a scene's document; bad_input as parse_scene, with the path of the variant.
+Expected<std::vector<Run>> runs_of(std::string_view json_text, std::string_view source_name);
 
 /// A scene file and the mesh file that it names, which is looked for beside it.
 struct SceneFile {

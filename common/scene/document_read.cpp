@@ -3,6 +3,7 @@
 
 #include "common/base/json_node.h"
 #include "common/scene/document.h"
+#include "common/scene/experiment_read.h"
 
 namespace tenter::scene {
 
@@ -195,15 +196,21 @@ Obstacle read_obstacle(const Node& node) {
 }
 
 Start read_start(const Node& node, bool solid, Start start) {
-  node.expect_object({"place", "noise_m", "seed", "gravity_factor"});
+  node.expect_object(
+      {"place", "radius_m", "pitch_m", "remembered", "noise_m", "seed", "gravity_factor"});
   if (node.has("place")) {
-    const std::string word = one_of(node["place"], {"vertical", "horizontal", "as_meshed"});
+    const std::string word =
+        one_of(node["place"], {"vertical", "horizontal", "as_meshed", "wound"});
     if (solid && word != "as_meshed")
       node["place"].refuse("a body starts in its rest shape, 'as_meshed'");
     start.place = word == "vertical"     ? Start::Place::vertical
                   : word == "horizontal" ? Start::Place::horizontal
+                  : word == "wound"      ? Start::Place::wound
                                          : Start::Place::as_meshed;
   }
+  start.radius_m = node.number_or("radius_m", 0.0);
+  start.pitch_m = node.number_or("pitch_m", 0.0);
+  if (node.has("remembered")) start.is_remembered = node["remembered"].boolean();
   start.noise_m = node.number_or("noise_m", 0.0);
   if (node.has("seed")) start.seed = static_cast<std::uint32_t>(node["seed"].whole(0, 2147483647));
   start.gravity_factor = node.number_or("gravity_factor", 1.0);
@@ -314,9 +321,11 @@ Scene read_scene(const Node& root) {
     root["schema"].refuse("must be 'tenter.scene', not '" + root["schema"].text() + "'");
   if (root["version"].number() != 1)
     root["version"].refuse("this program reads version 1 of the scene document");
-  root.expect_object({"schema", "version", "name", "description", "mesh", "area_density_kg_m2",
-                      "density_kg_m3", "mass_kg", "gravity_m_s2", "start", "clips", "obstacles",
-                      "weights", "forces", "pressure", "protocol", "solver", "dynamics"});
+  root.expect_object(
+      {"schema",        "version",   "name",         "description", "mesh",   "area_density_kg_m2",
+       "density_kg_m3", "mass_kg",   "gravity_m_s2", "start",       "clips",  "obstacles",
+       "weights",       "forces",    "pressure",     "protocol",    "solver", "dynamics",
+       "model",         "experiment"});
   Scene scene;
   scene.name = root["name"].text();
   scene.description = root.text_or("description", "");
@@ -339,6 +348,8 @@ Scene read_scene(const Node& root) {
     for (const Node& phase : root["protocol"].list()) scene.protocol.push_back(read_phase(phase));
   if (root.has("solver")) scene.solver = read_solver(root["solver"]);
   if (root.has("dynamics")) scene.dynamics = read_dynamics(root["dynamics"]);
+  scene.model = root.text_or("model", "");
+  if (root.has("experiment")) scene.experiment = read_experiment(root["experiment"]);
   return scene;
 }
 
@@ -349,6 +360,9 @@ Expected<Scene> parse_scene(std::string_view json_text, std::string_view source_
   if (!scene) return scene;
   if (auto checked = validate(*scene); !checked)
     return fail(checked.error().kind, std::string(source_name) + ": " + checked.error().message);
+  if (scene->experiment && !scene->experiment->variants.empty())
+    if (auto runs = add_variants(json_text, source_name, *scene->experiment); !runs)
+      return tl::unexpected(runs.error());
   return scene;
 }
 

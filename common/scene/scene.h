@@ -14,6 +14,8 @@
 #include <variant>
 #include <vector>
 
+#include "common/scene/experiment.h"
+
 namespace tenter::scene {
 
 using Vec2 = std::array<double, 2>;
@@ -130,9 +132,14 @@ struct Start {
   enum class Place {
     vertical,    ///< (u, 0, v)
     horizontal,  ///< (u, v, 0)
-    as_meshed    ///< as the file has it; bodies: the rest shape
+    as_meshed,   ///< as the file has it; bodies: the rest shape
+    wound        ///< u goes around an axis along y, from where it hangs down inwards; v is y
   };
   Place place = Place::horizontal;
+  double radius_m = 0.0;  ///< of what is wound, at its inner end
+  double pitch_m = 0.0;   ///< between its layers
+  /// The material was brought here from its rest shape in one way, and remembers it.
+  bool is_remembered = false;
   double noise_m = 0.0;  ///< every node that is free is off its place by up to this
   std::uint32_t seed = 1;
   double gravity_factor = 1.0;
@@ -217,6 +224,8 @@ struct Scene {
   std::vector<Phase> protocol;
   Solver solver;
   std::optional<Dynamics> dynamics;
+  std::string model;  ///< preset that it is meant for; "": the usual one
+  std::optional<Experiment> experiment;
 
   /// The start and every frame of the protocol.
   int frame_count() const;

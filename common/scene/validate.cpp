@@ -5,6 +5,7 @@
 
 #include "common/base/sha256.h"
 #include "common/scene/document.h"
+#include "common/scene/experiment_read.h"
 
 namespace tenter::scene {
 
@@ -133,6 +134,21 @@ void check_clip(const Clip& clip, const std::string& path, Check& check) {
     check.finite(clip.cords[i].at_m, cord + ".at_m");
     check.finite(clip.cords[i].force_N, cord + ".force_N");
   }
+}
+
+void check_start(const Scene& scene, Check& check) {
+  const Start& start = scene.start;
+  check.that(std::isfinite(start.noise_m) && start.noise_m >= 0.0, "start.noise_m",
+             "must not be negative");
+  check.finite(start.gravity_factor, "start.gravity_factor");
+  check.that(start.place != Start::Place::as_meshed || is_solid(scene.mesh) ||
+                 std::holds_alternative<FileMesh>(scene.mesh),
+             "start.place", "only a mesh from a file has a place of its own");
+  const bool is_wound = start.place == Start::Place::wound;
+  if (is_wound) check.positive(start.radius_m, "start.radius_m");
+  check.that(is_wound || start.radius_m == 0.0, "start.radius_m", "is for what is 'wound'");
+  check.not_negative(start.pitch_m, "start.pitch_m");
+  check.that(is_wound || start.pitch_m == 0.0, "start.pitch_m", "is for what is 'wound'");
 }
 
 void check_boundary(const Scene& scene, Check& check) {
@@ -284,12 +300,7 @@ Expected<void> validate(const Scene& scene) {
   check.one_line(scene.name, "name");
   check_mesh(scene.mesh, check);
   check_mass(scene, check);
-  check.that(std::isfinite(scene.start.noise_m) && scene.start.noise_m >= 0.0, "start.noise_m",
-             "must not be negative");
-  check.finite(scene.start.gravity_factor, "start.gravity_factor");
-  check.that(scene.start.place != Start::Place::as_meshed || is_solid(scene.mesh) ||
-                 std::holds_alternative<FileMesh>(scene.mesh),
-             "start.place", "only a mesh from a file has a place of its own");
+  check_start(scene, check);
   check_boundary(scene, check);
   check_loads(scene, check);
   long long frames = 1;
@@ -301,7 +312,9 @@ Expected<void> validate(const Scene& scene) {
              "has more than " + std::to_string(kMostFrames) + " frames");
   check_solver(scene.solver, check);
   if (scene.dynamics) check_dynamics(scene, check);
-  return check.result();
+  if (!scene.model.empty()) check.one_line(scene.model, "model");
+  if (auto sound = check.result(); !sound || !scene.experiment) return sound;
+  return check_experiment(scene);
 }
 
 }  // namespace tenter::scene

@@ -57,6 +57,7 @@ struct Draft {
   std::vector<std::string> sets;
   std::string protocol;  ///< fit: a test with a way of its own
   std::string scene;     ///< simulate: instead of captures
+  std::string figure;    ///< simulate --scene
 };
 
 Expected<void> start_scene(Context& context, const Draft& draft) {
@@ -67,12 +68,13 @@ Expected<void> start_scene(Context& context, const Draft& draft) {
     return bad_input("--report and --save-model are for captures, not for a scene");
   if (draft.seed >= 0)
     return bad_input("--seed is for captures; the seed of a scene is in its document");
-  return run_scene(context,
-                   {draft.scene, run.model, draft.sets, run.submit, run.detach, run.output});
+  return run_scene(context, {draft.scene, run.model, draft.sets, run.submit, run.detach,
+                             draft.figure, run.output});
 }
 
 Expected<void> start(Context& context, Draft& draft) {
   if (!draft.scene.empty()) return start_scene(context, draft);
+  if (!draft.figure.empty()) return bad_input("--figure is for a scene (--scene)");
   if (draft.run.captures.empty())
     return bad_input("what is to be simulated: captures, or a scene (--scene)?");
   if (!draft.protocol.empty()) {
@@ -225,9 +227,15 @@ void add_simulate(CLI::App& app, Context& context) {
   command
       ->add_option("--scene", draft->scene,
                    "A shipped scene (`tenter scene list`) or a scene file, instead of captures. "
-                   "The model is then by default cloth_stvk (of bodies: solid_neo_hookean), "
+                   "The model is then by default the scene's own, or cloth_stvk (of bodies: "
+                   "solid_neo_hookean), "
                    "--output is a folder and --set changes the model.")
       ->type_name("NAME_OR_FILE");
+  command
+      ->add_option("--figure", draft->figure,
+                   "Of a scene with an experiment: its pictures, numbers and curves, of all of its "
+                   "runs, as an SVG file.")
+      ->type_name("FILE");
 }
 
 }  // namespace tenter::cli

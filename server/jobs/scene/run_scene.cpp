@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/jobs/scene/run_scene.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/base/atomic_write.h"
 #include "common/base/text_file.h"
+#include "common/experiment/experiment_json.h"
 #include "common/frames/frames_file.h"
 #include "common/model/document.h"
 #include "common/scene/document.h"
@@ -45,50 +49,116 @@ std::string words_of(const scene::Scene& scene, int frame) {
   return "";
 }
 
+/// A run of the scene, walked.
+struct WalkedRun {
+  model::Model model;  ///< as it was run
+  frames::FrameSet frames;
+  SceneEnd end;
+};
+
+model::Model without(model::Model model, const std::vector<std::string>& laws) {
+  std::erase_if(model.terms, [&laws](const model::Term& term) {
+    return std::find(laws.begin(), laws.end(), term.law.name) != laws.end();
+  });
+  return model;
+}
+
+using Report = std::function<void(const JobProgress&)>;
+
+Expected<WalkedRun> walk_run(const JobInput& input, scene::Run run, const model::Model& given,
+                             const Report& report, const std::stop_token& stop) {
+  if (auto taken = take_mesh(input, run.scene); !taken) return tl::unexpected(taken.error());
+  const model::Model model = without(given, run.without_laws);
+  if (auto sound = model::validate(model); !sound) return tl::unexpected(sound.error());
+  const std::string of_run = run.name.empty() ? "" : run.name + ": ";
+  report({"mesh", of_run, 0, 0.0, 0.01});
+  auto walk = mechanics::SceneRun::make(run.scene, model);
+  if (!walk) return tl::unexpected(walk.error());
+  FrameCollector frames(*walk, walk->model());
+  Expected<void> kept;
+  mechanics::SceneHooks hooks;
+  hooks.on_frame = [&](const mechanics::SceneFrame& frame) { kept = frames.add(frame); };
+  hooks.go_on = [&](int frame, int iterations) {
+    report({run.scene.dynamics ? "motion" : "equilibrium", of_run + words_of(run.scene, frame),
+            iterations, 0.0, 0.02 + 0.96 * frame / run.scene.frame_count()});
+    return kept && !stop.stop_requested();
+  };
+  auto end = walk->walk(hooks);
+  if (!end) return tl::unexpected(end.error());
+  if (!kept) return tl::unexpected(kept.error());
+  if (end->how == SceneEnd::How::stopped)
+    return fail(ErrorKind::cancelled, "the simulation was stopped");
+  return WalkedRun{walk->model(), frames.set(), std::move(*end)};
+}
+
+/// Every run, one after the other.
+Expected<std::vector<WalkedRun>> walk_all(const JobInput& input,
+                                          const std::vector<scene::Run>& runs,
+                                          const model::Model& model, const Report& report,
+                                          const std::stop_token& stop) {
+  std::vector<WalkedRun> walked;
+  for (const scene::Run& run : runs) {
+    const auto share = [&](const JobProgress& progress) {
+      JobProgress all = progress;
+      all.fraction = (static_cast<double>(walked.size()) + progress.fraction) /
+                     static_cast<double>(runs.size());
+      report(all);
+    };
+    auto one = walk_run(input, run, model, share, stop);
+    if (!one) {
+      if (one.error().kind == ErrorKind::cancelled) return tl::unexpected(one.error());
+      const std::string of_run = walked.empty() ? "" : "run '" + run.name + "': ";
+      return fail(one.error().kind, "scene: " + of_run + one.error().message);
+    }
+    walked.push_back(std::move(*one));
+    if (walked.front().end.frames == 0)
+      return fail(ErrorKind::job_failed, walked.front().end.reason);
+  }
+  return walked;
+}
+
+Expected<json> found_by(const scene::Experiment& experiment, const std::vector<scene::Run>& runs,
+                        const std::vector<WalkedRun>& walked) {
+  std::vector<experiment::FoundRun> found;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    found.push_back({runs[i].name, &walked[i].frames, walked[i].end.reason});
+  auto document = experiment::experiment_json(experiment, found);
+  if (!document) return fail(document.error().kind, "scene: " + document.error().message);
+  return document;
+}
+
 }  // namespace
 
-Expected<void> run_scene(const JobInput& input, const json& spec,
-                         const std::function<void(const JobProgress&)>& report,
+Expected<void> run_scene(const JobInput& input, const json& spec, const Report& report,
                          const std::stop_token& stop) {
   const std::string scene_json = spec.at("scene").dump();
-  auto scene = scene::parse_scene(scene_json, "scene");
+  const auto scene = scene::parse_scene(scene_json, "scene");
   if (!scene) return tl::unexpected(scene.error());
-  if (auto taken = take_mesh(input, *scene); !taken)
-    return fail(taken.error().kind, "scene: " + taken.error().message);
+  const auto runs = scene::runs_of(scene_json, "scene");
+  if (!runs) return tl::unexpected(runs.error());
   const auto model = model::parse_model(spec.at("model").dump(), "model");
   if (!model) return tl::unexpected(model.error());
   if (spec.contains("options") && !spec["options"].empty())
     return bad_input("options." + spec["options"].begin().key() +
                      ": a simulated scene has no options");
-
-  report({"mesh", "", 0, 0.0, 0.01});
-  auto run = mechanics::SceneRun::make(*scene, *model);
-  if (!run) return fail(run.error().kind, "scene: " + run.error().message);
-  FrameCollector frames(*run, run->model());
-  Expected<void> kept;
-  mechanics::SceneHooks hooks;
-  hooks.on_frame = [&](const mechanics::SceneFrame& frame) { kept = frames.add(frame); };
-  hooks.go_on = [&](int frame, int iterations) {
-    report({scene->dynamics ? "motion" : "equilibrium", words_of(*scene, frame), iterations, 0.0,
-            0.02 + 0.96 * frame / scene->frame_count()});
-    return kept && !stop.stop_requested();
-  };
-  const auto end = run->walk(hooks);
-  if (!end) return fail(end.error().kind, "scene: " + end.error().message);
-  if (!kept) return kept;
-  if (end->how == SceneEnd::How::stopped)
-    return fail(ErrorKind::cancelled, "the simulation was stopped");
-  if (end->frames == 0) return fail(ErrorKind::job_failed, end->reason);
+  auto walked = walk_all(input, *runs, *model, report, stop);
+  if (!walked) return tl::unexpected(walked.error());
 
   report({"write", "", 0, 0.0, 0.98});
-  frames::FrameSet set = frames.set();
-  set.scene_json = scene_json;
-  const std::string text = simulation_document(*scene, run->model(), set, *end).dump(1) + "\n";
+  WalkedRun& first = walked->front();
+  json document = simulation_document(*scene, first.model, first.frames, first.end);
+  if (scene->experiment) {
+    auto found = found_by(*scene->experiment, *runs, *walked);
+    if (!found) return tl::unexpected(found.error());
+    document["experiment"] = std::move(*found);
+  }
+  const std::string text = document.dump(1) + "\n";
   if (auto written =
           write_atomically((input.staging / "result.json").string(), text.data(), text.size());
       !written)
     return written;
-  return frames::write_frames(set, (input.staging / "frames.h5").string());
+  first.frames.scene_json = scene_json;
+  return frames::write_frames(first.frames, (input.staging / "frames.h5").string());
 }
 
 }  // namespace tenter::jobs

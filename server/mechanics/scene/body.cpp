@@ -13,6 +13,8 @@
 namespace tenter::mechanics {
 namespace {
 
+constexpr double kPi = 3.14159265358979323846;
+
 Expected<SceneBody> about_mesh(Expected<SceneBody> body) {
   if (body) return body;
   return fail(body.error().kind, "mesh: " + body.error().message);
@@ -20,6 +22,26 @@ Expected<SceneBody> about_mesh(Expected<SceneBody> body) {
 
 Eigen::VectorXd vector_of(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+/// Where a strip is that winds inwards as `u` grows, to the given radius at `length`, hanging
+/// straight down where u = 0. Its radius falls with the angle, rho = rho_0 - q phi, q = pitch / 2
+/// pi:
+///
+///   u = rho_0 phi - q phi^2 / 2,   (x, z)' = rho (sin phi, -cos phi)
+Eigen::Vector3d wound_place(const Eigen::Vector3d& material, double length,
+                            const scene::Start& start) {
+  const double q = start.pitch_m / (2.0 * kPi);
+  const auto angle_of = [q](double radius, double way) {
+    // of radius phi + q phi^2 / 2 = way, in the form without a difference
+    return 2.0 * way / (radius + std::sqrt(radius * radius + 2.0 * q * way));
+  };
+  const double all = angle_of(start.radius_m, length);
+  const double phi = all - angle_of(start.radius_m, length - material.x());
+  const double outer = start.radius_m + q * all;
+  const double s = std::sin(phi), c = std::cos(phi);
+  return {outer * (1.0 - c) - q * (s - phi * c), material.y(),
+          -outer * s + q * (phi * s + c - 1.0)};
 }
 
 /// `read_m`: where a file had the nodes; empty for meshes that are made here.
@@ -36,6 +58,10 @@ Expected<SceneBody> sheet(Expected<Cloth> made, const Eigen::Matrix3Xd& read_m,
   Eigen::Matrix3Xd start_m = body.material_m;
   if (scene.start.place == scene::Start::Place::vertical) start_m.row(1).swap(start_m.row(2));
   if (scene.start.place == scene::Start::Place::as_meshed) start_m = read_m;
+  if (scene.start.place == scene::Start::Place::wound)
+    for (int node = 0; node < mesh.node_count(); ++node)
+      start_m.col(node) =
+          wound_place(body.material_m.col(node), mesh.material_m.row(0).maxCoeff(), scene.start);
   body.start_x = start_m.reshaped();
   body.mesh = std::move(*made);
   return body;

@@ -90,6 +90,17 @@ Expected<bool> SceneRun::solve(const Levels& levels, bool is_near, State& state,
   return true;
 }
 
+bool SceneRun::begin_history(const State& start) {
+  history_ = model_->never_strained();
+  work_J_.setZero(model_->term_count());
+  is_new_ = !scene_.start.is_remembered;
+  if (is_new_ || remembering_.empty()) return true;
+  if (model_->end_of_step(start.x, parameters_, history_, history_.state) == AssemblyStatus::ok)
+    return true;
+  failure_ = "the material cannot be brought to where it starts";
+  return false;
+}
+
 bool SceneRun::remember(const State& from, const State& to) {
   if (remembering_.empty()) return true;
   Eigen::VectorXd before = Eigen::VectorXd::Zero(work_J_.size()), after;
@@ -193,9 +204,11 @@ Expected<SceneEnd> SceneRun::walk(const SceneHooks& hooks) {
   State state = set_up_.start;
   Levels levels = first_levels(scene_, state.clips);
   was_stopped_ = false;
-  history_ = model_->never_strained();
-  work_J_.setZero(model_->term_count());
-  is_new_ = true;
+  if (!begin_history(state)) {
+    end.how = SceneEnd::How::failed;
+    end.reason = failure_;
+    return end;
+  }
   const auto hand_out = [&](SceneFrame& frame, const Levels& now,
                             Expected<bool> found) -> Expected<bool> {
     if (found && *found) found = finish(now, state, frame);

@@ -15,7 +15,9 @@
 // numbers only.
 //
 // Laws that remember their path (friction, plastic slip) do so from equilibrium to equilibrium,
-// those of halved steps too; the start counts as one straight pull from rest.
+// those of halved steps too; the start counts as one straight pull from rest, unless the scene says
+// that the material remembers it: then it was brought to its start before anything else, with work
+// that is not counted.
 //
 // A run keeps its solver and scratch; it belongs to one thread at a time. The same scene and model
 // give the same bytes.
@@ -113,6 +115,8 @@ class SceneRun {
   /// From the state that belongs to levels(from) to that of levels(to).
   Expected<bool> advance(const std::function<Levels(double)>& levels, double from, double to,
                          const SceneHooks& hooks, State& state, SceneFrame& frame);
+  /// Nothing remembered yet but, where the scene says so, the start as it is placed.
+  bool begin_history(const State& start);
   /// Takes the history from `from` to the equilibrium at `to`; false where it leaves the range of
   /// numbers.
   bool remember(const State& from, const State& to);

@@ -86,9 +86,6 @@ Expected<SceneEnd> SceneRun::walk_in_time(const SceneHooks& hooks) {
   SceneEnd end;
   Levels levels = first_levels(scene_, set_up_.start.clips);
   was_stopped_ = false;
-  history_ = model_->never_strained();
-  work_J_.setZero(model_->term_count());
-  is_new_ = true;
   auto stepper = TimeStepper::make(*model_, set_up_.boundary, set_up_.obstacles);
   if (!stepper) return tl::unexpected(stepper.error());
   if (const double thickness_m = scene_.dynamics->self_contact_m; thickness_m > 0.0) {
@@ -106,6 +103,7 @@ Expected<SceneEnd> SceneRun::walk_in_time(const SceneHooks& hooks) {
   SceneFrame frame;
   State start = set_up_.start;
   place_clips(set_up_.boundary, start);
+  if (!begin_history(start)) return stop(failure_);
   if (scene_.dynamics->from_rest) {
     const auto found = begin(levels, hooks, start, frame);
     if (!found) return tl::unexpected(found.error());
@@ -116,7 +114,8 @@ Expected<SceneEnd> SceneRun::walk_in_time(const SceneHooks& hooks) {
     return stop("");
   }
   Motion motion = at_rest(set_up_.boundary, start);
-  if (scene_.dynamics->from_rest) motion.history = motion.last_history = history_.state;
+  if (scene_.dynamics->from_rest || scene_.start.is_remembered)
+    motion.history = motion.last_history = history_.state;
 
   // what holders feel at the start is what they would at rest
   Eigen::VectorXd by_node;

@@ -10,7 +10,7 @@ namespace tenter::model {
 namespace {
 
 TEST(Presets, EachParsesUnderItsOwnNameAndRoundTrips) {
-  ASSERT_EQ(preset_names().size(), 21u);
+  ASSERT_EQ(preset_names().size(), 27u);
   for (const std::string& name : preset_names()) {
     const Expected<Model> model = preset(name);
     ASSERT_TRUE(model) << model.error().message;
@@ -23,7 +23,14 @@ TEST(Presets, EachParsesUnderItsOwnNameAndRoundTrips) {
   }
 }
 
-// Values are the catalogue's for membranes; bending and solids say their own.
+/// Presets of one measured material say its own values.
+bool is_material(const std::string& name) {
+  for (const char* material : {"cotton", "spandex", "polyester", "felt", "doublecloth", "paper"})
+    if (name == material) return true;
+  return false;
+}
+
+// Values are the catalogue's for membranes; bending, solids and materials say their own.
 TEST(Presets, BoundsAndUnitsAreTheCatalogues) {
   for (const std::string& name : preset_names()) {
     const Model model = preset(name).value();
@@ -39,6 +46,7 @@ TEST(Presets, BoundsAndUnitsAreTheCatalogues) {
         if (!is_membrane) continue;
         EXPECT_EQ(term.law.parameters[i].lower, defaults[i].lower) << name << " " << term.id;
         EXPECT_EQ(term.law.parameters[i].upper, defaults[i].upper) << name << " " << term.id;
+        if (is_material(name)) continue;
         EXPECT_EQ(term.law.parameters[i].value, defaults[i].value) << name << " " << term.id;
       }
     }

@@ -22,7 +22,7 @@ const char* const kFull = R"({
            "diagonals": "both"},
   "area_density_kg_m2": 0.2,
   "gravity_m_s2": [0, -9.8, 0],
-  "start": {"place": "vertical", "noise_m": 1e-4, "seed": 7, "gravity_factor": 0.5},
+  "start": {"place": "wound", "radius_m": 0.05, "pitch_m": 0.001, "remembered": true, "noise_m": 1e-4, "seed": 7, "gravity_factor": 0.5},
   "clips": [
     {"id": "top", "nodes": "top"},
     {"id": "bar", "nodes": {"of": "bottom", "without": ["bottom_left", [3]]}, "free": true,
@@ -47,7 +47,18 @@ const char* const kFull = R"({
   "solver": {"tolerance_N": 1e-6, "max_iterations": 100, "minimiser": "relaxation",
              "check_minimum": false, "contact_depth_m": 1e-5, "most_halvings": 2},
   "dynamics": {"step_s": 0.02, "scheme": "implicit_euler", "error_m": 1e-5, "damping_s": 0.01,
-               "self_contact_m": 0.001, "linearised": false, "start": "equilibrium"}
+               "self_contact_m": 0.001, "linearised": false, "start": "equilibrium"},
+  "model": "cloth_stvk",
+  "experiment": {
+    "run": "whole",
+    "measures": [{"id": "bend", "kind": "rms_curvature", "words": "bend", "strain": "bend_u",
+                  "at": "go"},
+                 {"id": "work", "kind": "work", "clip": "top", "from": "start", "at": "stay"}],
+    "curves": [{"id": "pull", "kind": "force_travel", "clip": "top", "direction": [0, 0, 2]}],
+    "pictures": [{"title": "end", "at": "stay", "eye": [0, -1, 0], "up": [0, 0, 1]}],
+    "variants": [{"name": "twice", "pace": 2, "without_laws": ["dahl"],
+                  "scene": {"start": {"noise_m": 0}, "pressure": null,
+                            "protocol": [{"name": "go", "frames": 4, "duration_s": 3}]}}]}
 })";
 
 Json full() {
@@ -78,7 +89,7 @@ TEST(SceneDocument, ReadsEveryKey) {
   EXPECT_EQ(grid.diagonals, "both");
   EXPECT_EQ(scene->area_density_kg_m2, 0.2);
   EXPECT_EQ(scene->gravity_m_s2, (Vec3{0, -9.8, 0}));
-  EXPECT_EQ(scene->start.place, Start::Place::vertical);
+  EXPECT_EQ(scene->start.place, Start::Place::wound);
   EXPECT_EQ(scene->start.seed, 7U);
   EXPECT_EQ(scene->start.gravity_factor, 0.5);
   ASSERT_EQ(scene->clips.size(), 2U);
@@ -214,6 +225,53 @@ TEST(SceneDocument, ShippedScenesAreSoundAndBearTheirNames) {
   EXPECT_NE(unknown.error().message.find("hanging_square"), std::string::npos);
 }
 
+TEST(SceneExperiment, RunsAreTheSceneAndItsVariants) {
+  const auto runs = runs_of(kFull, "FILE");
+  ASSERT_TRUE(runs) << runs.error().message;
+  ASSERT_EQ(runs->size(), 2U);
+  EXPECT_EQ((*runs)[0].name, "whole");
+  EXPECT_EQ((*runs)[0].scene.frame_count(), 6);
+  EXPECT_TRUE((*runs)[0].without_laws.empty());
+  EXPECT_TRUE((*runs)[0].scene.pressure.has_value());
+  const auto& twice = (*runs)[1];
+  EXPECT_EQ(twice.name, "twice");
+  EXPECT_EQ(twice.without_laws, std::vector<std::string>{"dahl"});
+  EXPECT_FALSE(twice.scene.pressure.has_value());
+  EXPECT_FALSE(twice.scene.experiment.has_value());
+  EXPECT_EQ(twice.scene.start.noise_m, 0.0);
+  EXPECT_EQ(twice.scene.start.radius_m, 0.05);  // what the patch does not name stays
+  ASSERT_EQ(twice.scene.protocol.size(), 1U);
+  EXPECT_EQ(*twice.scene.protocol[0].duration_s, 1.5);
+  Json plain = full();
+  plain.erase("experiment");
+  const auto one = runs_of(plain.dump(), "FILE");
+  ASSERT_TRUE(one && one->size() == 1);
+  EXPECT_EQ((*one)[0].name, "");
+}
+
+TEST(SceneExperiment, SaysWhatIsWrong) {
+  const std::string at = "/experiment/";
+  EXPECT_NE(error_with(at + "measures/0/kind", "mood").find("measures[0].kind: is 'mood', must be"),
+            std::string::npos);
+  EXPECT_NE(error_with(at + "measures/0/clip", "top").find("is no key of the kind"),
+            std::string::npos);
+  EXPECT_NE(error_with(at + "measures/1/clip", "hand").find("there is no clip 'hand'"),
+            std::string::npos);
+  EXPECT_NE(error_with(at + "measures/1/at", "later").find("there is no phase 'later'"),
+            std::string::npos);
+  EXPECT_NE(error_with(at + "measures/1/id", "bend").find("is used twice"), std::string::npos);
+  EXPECT_NE(error_with(at + "pictures/0/eye", {0, 0, 1}).find("must not point at who looks"),
+            std::string::npos);
+  EXPECT_NE(error_with(at + "curves/0/direction", {0, 0, 0}).find("a length"), std::string::npos);
+  EXPECT_NE(error_with(at + "variants/0/name", "whole").find("is used twice"), std::string::npos);
+  EXPECT_NE(error_with(at + "variants/0/pace", 0).find("must be above 0"), std::string::npos);
+  EXPECT_NE(error_with(at + "variants/0/scene/start/noise_m", -1)
+                .find("experiment.variants[0].scene: start.noise_m: must not"),
+            std::string::npos);
+  EXPECT_NE(error_with(at + "variants/0/scene/experiment", Json::object()).find("of its own"),
+            std::string::npos);
+}
+
 /// All keys of the document are properties of the schema, and the other way round.
 TEST(SceneDocument, TheSchemaFileKnowsTheSameKeys) {
   std::ifstream file(TENTER_SCENE_SCHEMA);
@@ -231,6 +289,13 @@ TEST(SceneDocument, TheSchemaFileKnowsTheSameKeys) {
     same(scene[part], properties, part);
     EXPECT_EQ(scene[part].size(), properties.size()) << part;
   }
+  const Json& experiment = schema["properties"]["experiment"]["properties"];
+  same(scene["experiment"], experiment, "experiment");
+  EXPECT_EQ(scene["experiment"].size(), experiment.size());
+  for (const char* list : {"pictures", "variants"})
+    same(scene["experiment"][list][0], experiment[list]["items"]["properties"], list);
+  for (const char* list : {"measures", "curves"})
+    same(scene["experiment"][list][0], schema["$defs"]["measure"]["properties"], list);
   same(scene["mesh"], schema["$defs"]["grid"]["properties"], "grid");
   same(scene["clips"][1], schema["$defs"]["clip"]["properties"], "clip");
   EXPECT_EQ(scene["clips"][1].size(), schema["$defs"]["clip"]["properties"].size());

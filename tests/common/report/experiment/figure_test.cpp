@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/report/experiment/figure.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "common/report/experiment/mesh_painter.h"
+
+namespace tenter::report {
+namespace {
+
+struct Path {
+  std::string fill;
+  double x[3], y[3];
+};
+
+std::vector<Path> paths_of(const std::string& svg) {
+  static const std::regex path(
+      "<path fill=\"(#[0-9a-f]{6})\" stroke=\"#[0-9a-f]{6}\" "
+      "d=\"M([-0-9.]+) ([-0-9.]+)L([-0-9.]+) ([-0-9.]+)L([-0-9.]+) ([-0-9.]+)Z\"/>");
+  std::vector<Path> paths;
+  for (std::sregex_iterator it(svg.begin(), svg.end(), path), end; it != end; ++it) {
+    Path p{(*it)[1], {}, {}};
+    for (std::size_t c = 0; c < 3; ++c) {
+      p.x[c] = std::stod((*it)[2 + 2 * c]);
+      p.y[c] = std::stod((*it)[3 + 2 * c]);
+    }
+    paths.push_back(p);
+  }
+  return paths;
+}
+
+constexpr View kFromFront{{0.0, -1.0, 0.0}, {0.0, 0.0, 1.0}};
+
+TEST(MeshPainter, PaintsFromBackToFrontInsideTheCanvas) {
+  // three triangles at y = 0, 1, 2, seen from -y: the first is in front
+  std::vector<Point3> points;
+  for (const double y : {0.0, 2.0, 1.0})
+    for (const Point3& p : {Point3{0.0, y, 0.0}, Point3{2.0 + y, y, 0.0}, Point3{0.0, y, 1.0}})
+      points.push_back(p);
+  const std::vector<Corners> triangles = {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
+  const Canvas canvas{200.0, 100.0, 10.0, std::nullopt};
+  const auto paths = paths_of(painted_mesh(points, triangles, kFromFront, canvas));
+  ASSERT_EQ(paths.size(), 3U);
+  const double scale = 180.0 / 4.0;  // the widest is 4 m
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(paths[i].x[1] - paths[i].x[0], scale * (4.0 - static_cast<double>(i)), 0.11);
+    EXPECT_NEAR(paths[i].y[0] - paths[i].y[2], scale, 0.11);  // z is up
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_GE(paths[i].x[c], 9.9);
+      EXPECT_LE(paths[i].x[c], 190.1);
+      EXPECT_GE(paths[i].y[c], 9.9);
+      EXPECT_LE(paths[i].y[c], 90.1);
+    }
+  }
+}
+
+TEST(MeshPainter, ShadesByAngleAndTellsTheSides) {
+  const std::vector<Point3> points = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0, 0, 0.2}};
+  const auto fill = [&](const Corners& triangle, const View& view) {
+    const auto paths = paths_of(painted_mesh(points, {triangle}, view, {}));
+    EXPECT_EQ(paths.size(), 1U);
+    return paths.empty() ? std::string() : paths[0].fill;
+  };
+  const std::string facing = fill({0, 1, 2}, kFromFront);
+  EXPECT_NE(facing, fill({0, 2, 1}, kFromFront));  // the other side
+  EXPECT_NE(facing, fill({0, 1, 3}, {{0.0, -1.0, 0.2}, {0.0, 0.0, 1.0}}));
+  EXPECT_EQ(facing, fill({0, 1, 4}, kFromFront));  // coplanar
+}
+
+TEST(MeshPainter, LeavesOutWhatIsNotThere) {
+  const std::vector<Point3> points = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {NAN, 0, 0}};
+  EXPECT_EQ(
+      paths_of(painted_mesh(points, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {-1, 1, 2}}, kFromFront, {}))
+          .size(),
+      1U);
+  EXPECT_EQ(painted_mesh({}, {{0, 1, 2}}, kFromFront, {}), "");
+  EXPECT_EQ(painted_mesh(points, {}, kFromFront, {}), "");
+  EXPECT_EQ(painted_mesh({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, {{0, 1, 2}}, kFromFront, {}), "");
+}
+
+nlohmann::json result() {
+  const auto run = [](const char* name, double bend, double size) {
+    return nlohmann::json{
+        {"name", name},
+        {"completed", true},
+        {"reason", nullptr},
+        {"measures", {{"bend", bend}, {"lost", 2e-6}, {"gone", nullptr}}},
+        {"curves",
+         {{{"id", "profile"},
+           {"words", "curvature"},
+           {"x", {{"name", "along"}, {"unit", "m"}, {"values", {0.0, 0.05, 0.1}}}},
+           {"y", {{"name", "curvature"}, {"unit", "1/m"}, {"values", {1.0, bend, 3.0}}}}}}},
+        {"pictures",
+         {{{"title", "at rest"},
+           {"eye", {0, -1, 0}},
+           {"up", {0, 0, 1}},
+           {"position_m", {{0, 0, 0}, {size, 0, 0}, {0, 0, size}}}}}},
+        {"triangles", {{0, 1, 2}}}};
+  };
+  return {{"schema", "tenter.simulation"},
+          {"scene", "a & b"},
+          {"model", "felt"},
+          {"experiment",
+           {{"measures",
+             {{{"id", "bend"}, {"words", "rms curvature"}, {"unit", "1/m"}},
+              {{"id", "lost"}, {"words", "work"}, {"unit", "J"}},
+              {{"id", "gone"}, {"words", "gone"}, {"unit", "1"}}}},
+            {"runs", {run("with <friction>", 123.4, 0.1), run("without", 5.0, 0.05)}}}}};
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+TEST(ExperimentFigure, ShowsPicturesNumbersAndLinesOfEveryRun) {
+  const auto svg = experiment_svg(result().dump());
+  ASSERT_TRUE(svg) << svg.error().message;
+  EXPECT_EQ(*svg, *experiment_svg(result().dump()));
+  const auto paths = paths_of(*svg);
+  ASSERT_EQ(paths.size(), 2U);
+  // to one scale: the second is half as large
+  EXPECT_NEAR(paths[0].x[1] - paths[0].x[0], 2.0 * (paths[1].x[1] - paths[1].x[0]), 0.2);
+  for (const char* words : {">123.4<", ">5<", ">2<", "work (\u00b5J)", "rms curvature (1/m)",
+                            "a &amp; b with felt", "with &lt;friction&gt;", "along (mm)"})
+    EXPECT_NE(svg->find(words), std::string::npos) << words;
+  EXPECT_EQ(svg->find("<friction>"), std::string::npos);
+  EXPECT_EQ(count(*svg, "class=\"series r0\""), 1U);
+  EXPECT_EQ(count(*svg, "class=\"series r1\""), 1U);
+  EXPECT_EQ(count(*svg, "<svg"), count(*svg, "</svg>"));
+  EXPECT_EQ(count(*svg, "<text"), count(*svg, "</text>"));
+  EXPECT_EQ(svg->find("nan"), std::string::npos);
+  const auto text = experiment_text(result().dump());
+  ASSERT_TRUE(text);
+  EXPECT_NE(text->find("without\n  rms curvature (1/m): 5\n"), std::string::npos) << *text;
+}
+
+TEST(ExperimentFigure, TakesOddDocumentsAsNothing) {
+  EXPECT_FALSE(experiment_svg("{}"));
+  EXPECT_FALSE(experiment_svg("no json"));
+  nlohmann::json plain = result();
+  plain.erase("experiment");
+  EXPECT_FALSE(experiment_svg(plain.dump()));
+  nlohmann::json odd = result();
+  odd["experiment"]["runs"][0]["triangles"] = {{0, 1}, "x", {0, 1, 1e12}};
+  odd["experiment"]["runs"][0]["curves"] = 3;
+  odd["experiment"]["runs"][1]["pictures"][0]["position_m"] = nlohmann::json::array();
+  odd["experiment"]["runs"][1]["reason"] = "a step failed";
+  const auto svg = experiment_svg(odd.dump());
+  ASSERT_TRUE(svg);
+  EXPECT_TRUE(paths_of(*svg).empty());
+  EXPECT_NE(svg->find("the run ended before"), std::string::npos);
+  EXPECT_NE(svg->find("ended early: a step failed"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tenter::report

@@ -252,11 +252,14 @@ std::string parameter_table(const Json& result) {
     const std::string css = state == "free"                     ? "good"
                             : state == "fixed" || state.empty() ? "plain"
                                                                 : "warn";
+    const std::string held =
+        flag(entry, "held") ? "<div class=\"soft over\">held: the captures do not tell it</div>"
+                            : "";
     const std::string unit = text(entry, "unit");
     rows += "<tr>" + cell("<code>" + escape_html(text(entry, "name")) + "</code>") +
             number_cell(significant(value)) + cell(unit == "1" ? "" : escape_html(unit)) +
             number_cell(range) + number_cell(relative) +
-            cell(state.empty() ? "" : badge(css, verdict_words(state))) +
+            cell((state.empty() ? "" : badge(css, verdict_words(state))) + held) +
             (has_profiles ? profile_cell(member(entry, "profile")) : "") + "</tr>\n";
   }
   return panel("parameters", "Parameters", "Of the final model, with 95 % intervals.",

@@ -37,6 +37,8 @@ constexpr Pair kApart[] = {
     {"limits", "convex=afterwards", "the alternation would leave the convex parameters"},
     {"limits", "profiles", "profiles would hold Psi_max and come out too narrow"},
     {"limits", "starts", "the starts would be compared at a Psi_max that is not the fitted one"},
+    {"without_grid_error", "grid=equal",
+     "a table's edge lies anywhere between equal cells, so that two grids do not tell a third"},
     {"convex=every_step", "robust", "projected steps count squares"},
     {"convex=every_step", "profiles", "the refits would leave the convex parameters"},
     {"convex=afterwards", "profiles", "the refits would leave the convex parameters"}};
@@ -44,6 +46,21 @@ constexpr Pair kApart[] = {
 std::size_t limits_of(const json& model) {
   const auto found = model.find("limits");
   return found != model.end() && found->is_array() ? found->size() : 0;
+}
+
+/// The first term that is simulated on equal cells in any case; "" if none is.
+std::string on_springs(const json& model) {
+  const auto terms = model.find("terms");
+  if (terms == model.end() || !terms->is_array()) return "";
+  for (const json& term : *terms) {
+    if (!term.is_object() || !term.contains("strain") || !term["strain"].is_object()) continue;
+    const auto name = term["strain"].find("name");
+    if (name == term["strain"].end() || !name->is_string()) continue;
+    const std::string& strain = name->get_ref<const std::string&>();
+    if (strain.starts_with("spring_") || strain.starts_with("ring2_"))
+      return term.value("id", json()).dump();
+  }
+  return "";
 }
 
 bool holds_out(const json& options) {
@@ -91,6 +108,15 @@ Expected<void> check_fit_requests(const json& model, const json& options) {
   if (is_asked(options, "limits") && limits_of(model) != 1)
     return bad_input("options.limits: the model has " + std::to_string(limits_of(model)) +
                      " energy limits, and must have one");
+  if (is_asked(options, "without_grid_error"))
+    if (const std::string term = on_springs(model); !term.empty())
+      return bad_input("options.without_grid_error: the term " + term +
+                       " is of springs, which are another material on a finer grid");
+  const auto held = options.find("hold_unseen");
+  if (held != options.end() && *held != "none" && !held->is_null() &&
+      options.value("staged", json(true)) == false)
+    return bad_input(
+        "options.hold_unseen: only a fit in stages has one that tells whether it is seen");
   if (is_asked(options, "convex=by_construction"))
     if (const std::string term = not_convex(model); !term.empty())
       return bad_input("options.convex: the term " + term +

@@ -65,6 +65,23 @@ class Sheets(CommandTest):
                                                       "--held-out", "shear.h5", "--starts", "2", "--seed", "5",
                                                       "--detach"))["from_store"])
 
+    def test_the_error_of_the_grid_is_taken_off(self):
+        files = self.captures(13, 2, ("shear", "bend_u", "bend_v"))
+        done = self.run_command(*self.fit_arguments(files, "--model", "cloth_stvk", "--resolution", "7", "--points", "60",
+                                                    "--without-grid-error", "--hold-unseen", "5e-5", "--report", "fit.html",
+                                                    "-o", "result.json"))
+        self.assertIn("taken off: up to", done.stdout)
+        result = json.loads((self.work / "result.json").read_text())
+        self.assertEqual([result["options"][key] for key in ("without_grid_error", "hold_unseen")], [True, 5e-5])
+        self.assertEqual(len(result["grid_error"]["captures"]), 3)
+        self.assertGreater(result["grid_error"]["captures"][0]["force"]["rms"], 1e-4)
+        held = {p["name"]: p["held"] for p in result["parameters"]}
+        self.assertTrue(held["bend_diagonal.k"])
+        self.assertFalse(held["shear.k"])
+        page = (self.work / "fit.html").read_text()
+        for words in ('id="grid-error"', "held: the captures do not tell it"):
+            self.assertIn(words, page)
+
     def test_mistakes_are_told_in_one_sentence(self):
         files = self.captures(5, 2, ("stretch_u", "stretch_v"))
         for more, code, words in ((("--role", "x.h5=shear"), 2, "--role x.h5: is none of the captures given"),
@@ -73,6 +90,7 @@ class Sheets(CommandTest):
             self.assertIn(words, self.json(*self.fit_arguments(files, *more), code=code)["error"]["message"])
         # told before a worker starts
         for more, words in ((("--samples", "2"), "options.samples: needs a capture that is held out"),
+                            (("--without-grid-error", "--grid", "equal"), "do not go together: a table's edge"),
                             (("--limits",), "options.limits: the model has 0 energy limits"),
                             (("--convex", "every_step", "--profiles"), "and options.profiles do not go together")):
             self.assertIn(words, self.json(*self.fit_arguments(files, *more), code=2)["error"]["message"])

@@ -77,6 +77,16 @@ void add_requests(CLI::App& command, SheetFitDraft& draft) {
       ->check(CLI::Range(0, 16));
   command.add_flag("--limits", draft.limits,
                    "Sheets: fit the largest energy density of the model's limit as well.");
+  command.add_flag(
+      "--without-grid-error", draft.without_grid_error,
+      "Sheets: estimate what the simulated grid is wrong by, from one of half its spacing, "
+      "take it off and fit again: curves of the cloth instead of those that suit this grid.");
+  command
+      .add_option("--hold-unseen", draft.hold_unseen,
+                  "Sheets: hold diagonal bending where the strips do not tell it: at what stands "
+                  "in for it (stand_in), at the model's value (start), at this one in N m, or "
+                  "not at all (none). Default: stand_in.")
+      ->type_name("WORD|NUMBER");
 }
 
 }  // namespace
@@ -182,6 +192,11 @@ Expected<void> complete_options(const SheetFitDraft& draft, const std::vector<st
   if (!draft.convex.empty()) options["convex"] = draft.convex;
   if (draft.samples >= 0) options["samples"] = draft.samples;
   if (draft.limits) options["limits"] = true;
+  if (draft.without_grid_error) options["without_grid_error"] = true;
+  if (!draft.hold_unseen.empty()) {
+    const auto value = nlohmann::json::parse(draft.hold_unseen, nullptr, false);
+    options["hold_unseen"] = value.is_number() ? value : nlohmann::json(draft.hold_unseen);
+  }
   return {};
 }
 

@@ -36,6 +36,8 @@ struct SheetFitDraft {
   std::string convex;
   int samples = -1;
   bool limits = false;
+  std::string hold_unseen;
+  bool without_grid_error = false;
 };
 
 void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft);

@@ -26,6 +26,7 @@ constexpr PageSection kSections[] = {{"captures", "Captures"},
                                      {"figures", "Figures"},
                                      {"sheets", "The sheet"},
                                      {"stages", "Stages"},
+                                     {"grid-error", "Grid error"},
                                      {"starts", "Starts"},
                                      {"convexity", "Convexity"},
                                      {"samples", "Samples"},
@@ -117,7 +118,7 @@ std::string render_page(const Json& result) {
   const std::string details =
       capture_table(result) + curve_section(result) +
       figure_sections(result, {"starting model", "fitted model", true}) + mesh_section(result) +
-      stage_table(result) + start_section(result) + convexity_section(result) +
+      stage_table(result) + grid_error_section(result) + start_section(result) + convexity_section(result) +
       sample_section(result) + limit_section(result) + parameter_table(result) +
       correlation_table(result) + model_table(result) + checklist_table(result);
   std::string body = page_header(result, subject(result), headline(result), kSections, details);

@@ -71,7 +71,8 @@ class Stage {
     }
     write_back(*fitted, model);
     if (task_.holds_unseen && !is_seen(fitted->model, task_.terms, fitted->result)) {
-      hold_at(stand_in(model, sequences_.front().cloth.mesh), task_.terms, model);
+      hold_at(task_.held_at.value_or(stand_in(model, sequences_.front().cloth.mesh)), task_.terms,
+              model);
       auto held = tie_terms(model, task_.ties);
       if (!held) return tl::unexpected(held.error());
       const auto trial = try_at(model, *held, held->values());
@@ -84,7 +85,8 @@ class Stage {
   StageRecord hold(double cost) {
     record_.done = record_.held = true;
     record_.cost_after = cost;
-    record_.message = "not seen by the data: held at what stands in for it";
+    record_.message = task_.held_at ? "not seen by the data: held at the value given for that"
+                                    : "not seen by the data: held at what stands in for it";
     return record_;
   }
 

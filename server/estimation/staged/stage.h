@@ -14,6 +14,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -69,7 +70,8 @@ struct StageTask {
   /// Where the sequences do not tell the terms, diagonal bending, these are held at what stands in
   /// for them, here and in later stages (unseen.h).
   bool holds_unseen = false;
-  bool refine = true;          ///< splines get more control points; else as they are
+  std::optional<double> held_at = {};  ///< or at this value
+  bool refine = true;                  ///< splines get more control points; else as they are
   bool from_one_point = true;  ///< refinement begins with constant stiffness; else with what is
                                ///< there
 };

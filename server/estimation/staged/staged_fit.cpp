@@ -248,6 +248,7 @@ std::vector<Wave> plan_stages(const model::Model& model, const std::vector<RoleS
   StageTask& diagonal = waves.back().front();
   diagonal.holds_unseen =
       options.hold_unseen && std::none_of(diagonal.terms.begin(), diagonal.terms.end(), is_tied);
+  diagonal.held_at = options.held_at;
   for (Wave& wave : waves) wave = merged(std::move(wave), options.ties);
   const std::size_t first_pass = waves.size();
   for (std::size_t w = 1; options.repeat && w < first_pass; ++w) {

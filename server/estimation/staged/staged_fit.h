@@ -38,6 +38,7 @@ struct StagedOptions {
   bool repeat = true;        ///< shear and bending once more
   bool coupled = true;       ///< and all together
   bool hold_unseen = false;  ///< diagonal bending that the strips do not tell is held (unseen.h)
+  std::optional<double> held_at = {};  ///< at this value; none: at what stands in for it
   /// In the stages before the coupled one, where there is one: frames of a sequence (0: all), and
   /// the least relative fall of the cost (the thesis ends at 1 % of the residual: 0.02). Curves get
   /// their ranges from these frames: too few may miss the largest strains, and the coupled stage

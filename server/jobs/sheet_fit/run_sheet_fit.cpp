@@ -11,6 +11,7 @@
 #include "common/model/document.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/staged/splines/strain_histogram.h"
+#include "server/estimation/staged/unseen.h"
 #include "server/jobs/sheet_fit/certainty/optimum.h"
 #include "server/jobs/sheet_fit/certainty/sheet_profiles.h"
 #include "server/jobs/sheet_fit/document/sheet_document.h"
@@ -18,6 +19,7 @@
 #include "server/jobs/sheet_fit/progress/live_progress.h"
 #include "server/jobs/sheet_fit/progress/stage_checkpoint.h"
 #include "server/jobs/sheet_fit/requests/requests.h"
+#include "server/jobs/sheet_fit/requests/sheet_grid_free.h"
 
 namespace tenter::jobs {
 namespace {
@@ -129,17 +131,37 @@ bool has_springs(const model::Model& model) {
   });
 }
 
+estimation::StageOptions stage_options(const SheetFitOptions& asked, int threads) {
+  estimation::StageOptions options;
+  options.threads = threads;
+  options.channels = asked.channels;
+  options.most_points = asked.max_control_points;
+  options.first_guess = asked.first_guess;
+  options.loss = asked.loss;
+  options.tolerance_N = kTolerance_N;
+  return options;
+}
+
+/// What the document fixes is held by that already.
+void hold_unseen(const SheetFindings& found, StagedOptions& options) {
+  const auto diagonal = estimation::terms_of(found.start, estimation::Component::bend_diagonal);
+  if (found.options.hold_unseen == HoldUnseen::none || estimation::are_held(found.start, diagonal))
+    return;
+  options.hold_unseen = true;
+  if (found.options.hold_unseen == HoldUnseen::value) options.held_at = found.options.held_at;
+  if (found.options.hold_unseen != HoldUnseen::start) return;
+  for (const model::Term& term : found.start.terms)
+    if (term.id == diagonal.front() && !term.law.parameters.empty())
+      options.held_at = term.law.parameters[term.law.parameters.size() / 2].value;
+}
+
 Expected<StagedResult> run_stages(const JobInput& input, SheetFindings& found, int threads,
                                   LiveProgress& live, const std::stop_token& stop) {
   const std::vector<RoleSequence> measured = fitted_sequences(found.inputs);
   const StageCheckpoint checkpoint(input.checkpoints, input.spec_json);
   StagedOptions options;
-  options.stage.threads = threads;
-  options.stage.channels = found.options.channels;
-  options.stage.most_points = found.options.max_control_points;
-  options.stage.first_guess = found.options.first_guess;
-  options.stage.loss = found.options.loss;
-  options.stage.tolerance_N = kTolerance_N;
+  options.stage = stage_options(found.options, threads);
+  hold_unseen(found, options);
   options.stage.on_frame = [&](const estimation::StageFrame& frame) { live.frame(frame); };
   options.stage.on_progress = [&](const estimation::StageProgress& progress) {
     live.iteration(progress);
@@ -214,6 +236,14 @@ Expected<void> run_sheet_fit(const JobInput& input, const json& spec,
   auto before = predictions(comparable(found.start), found.inputs, threads, stop);
   if (!before) return tl::unexpected(before.error());
   found.before = std::move(*before);
+  const StartCheckpoint starts(input.checkpoints, input.spec_json);
+  const RequestWork work{threads, kTolerance_N, kCompared, report, stop, starts};
+  if (found.options.without_grid_error) {
+    auto grid_free =
+        sheet_grid_free(fit->model, found, stage_options(found.options, threads), work);
+    if (!grid_free) return tl::unexpected(grid_free.error());
+    found.requested.grid_free = std::move(*grid_free);
+  }
   const auto predict_again = [&](const model::Model& model) -> Expected<void> {
     report({"compare", "fitted model", 0, 0.0, kCompared});
     auto after = predictions(model, found.inputs, threads, stop);
@@ -223,8 +253,6 @@ Expected<void> run_sheet_fit(const JobInput& input, const json& spec,
   };
   if (auto ok = predict_again(fit->model); !ok) return ok;
   add_reached_strains(found, fit->model);
-  const StartCheckpoint starts(input.checkpoints, input.spec_json);
-  const RequestWork work{threads, kTolerance_N, kCompared, report, stop, starts};
   if (auto ok = fulfil_requests(fit->model, found, work, predict_again); !ok) return ok;
   report({"intervals", "", 0, 0.0, 0.96});
   found.optimum = found.requested.optimum ? *found.requested.optimum
@@ -234,6 +262,7 @@ Expected<void> run_sheet_fit(const JobInput& input, const json& spec,
     if (!profiles) return tl::unexpected(profiles.error());
     found.profiles = std::move(*profiles);
   }
+  put_back_grid_error(found);
   found.fitted = std::move(fit->model);
   add_reached_strains(found, found.fitted);
   if (found.optimum.usable) estimation::store(found.optimum, found.fitted);

@@ -1,7 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/jobs/sheet_fit/sheet_input.h"
 
+#include <utility>
+
+#include "server/estimation/staged/refit/grid_free_fit.h"
+
 namespace tenter::jobs {
+namespace {
+
+Expected<estimation::Sequence> on_finer_grid(const SheetInput& input,
+                                             estimation::FromCaptureOptions how) {
+  how.nodes_u = how.nodes_v = 2 * (how.nodes_u - 1) + 1;
+  auto finer = estimation::sequence_from_capture(input.capture, how);
+  if (!finer)
+    return fail(finer.error().kind,
+                "options.without_grid_error: on the finer grid " + finer.error().message);
+  finer->sequence.name = input.captured.sequence.name;
+  estimation::measure_as(input.captured.sequence, finer->sequence);
+  return std::move(finer->sequence);
+}
+
+}  // namespace
 
 Expected<std::vector<SheetInput>> sheet_inputs(
     std::vector<std::pair<std::string, capture::Capture>> captures,
@@ -18,11 +37,20 @@ Expected<std::vector<SheetInput>> sheet_inputs(
     if (!captured)
       return fail(captured.error().kind, "capture \"" + capture.title + "\" (" + id.substr(0, 12) +
                                              "): " + captured.error().message);
-    SheetInput input{id, std::move(capture), options.role_of(id), options.is_held_out(id),
-                     std::move(*captured)};
+    SheetInput input{id,
+                     std::move(capture),
+                     options.role_of(id),
+                     options.is_held_out(id),
+                     std::move(*captured),
+                     std::nullopt};
     input.captured.sequence.name = input.capture.title;
     if (const auto weight = options.weights.find(id); weight != options.weights.end())
       input.captured.sequence.weight = weight->second;
+    if (options.without_grid_error) {
+      auto finer = on_finer_grid(input, how);
+      if (!finer) return tl::unexpected(finer.error());
+      input.finer = std::move(*finer);
+    }
     input.capture.sheet->position_m = {};
     inputs.push_back(std::move(input));
   }

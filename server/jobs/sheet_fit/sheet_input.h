@@ -2,6 +2,7 @@
 // The captures of a sheet's fit as sequences, with what the report says of them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct SheetInput {
   estimation::Role role = estimation::Role::evaluation;
   bool held_out = false;
   estimation::CapturedSequence captured;
+  /// The same on a grid of half the spacing, where the grid's error is asked for.
+  std::optional<estimation::Sequence> finer;
 
   const estimation::Sequence& sequence() const { return captured.sequence; }
   /// Frame number as in the capture, of a frame of the sequence.

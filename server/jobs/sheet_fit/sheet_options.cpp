@@ -31,6 +31,8 @@ constexpr Word<ConvexWay> kConvexWays[] = {{"none", ConvexWay::none},
                                            {"every_step", ConvexWay::every_step},
                                            {"afterwards", ConvexWay::afterwards},
                                            {"by_construction", ConvexWay::by_construction}};
+constexpr Word<HoldUnseen> kHoldUnseen[] = {
+    {"none", HoldUnseen::none}, {"stand_in", HoldUnseen::stand_in}, {"start", HoldUnseen::start}};
 // of unit variance lost where there are no outliers: 5 %
 constexpr double kHuber = 1.345;
 constexpr double kCauchy = 2.385;
@@ -66,6 +68,18 @@ class OptionReader {
     if (!(x > 0.0) || !std::isfinite(x))
       return complain(key, "must be a number above zero, not " + shown(*found));
     value = x;
+  }
+  /// A word, or a number of at least zero, which makes it `otherwise`.
+  template <class T, std::size_t N>
+  void word_or_number(const char* key, const Word<T> (&words)[N], T otherwise, T& value,
+                      double& number) {
+    const json* found = member(key);
+    if (found == nullptr) return;
+    if (!found->is_number()) return word(key, words, value);
+    if (!(found->get<double>() >= 0.0) || !std::isfinite(found->get<double>()))
+      return complain(key, "must not be below zero: " + shown(*found));
+    value = otherwise;
+    number = found->get<double>();
   }
   void roles(std::map<std::string, Role>& roles) {
     by_capture("roles", [&](const std::string& path, const std::string& id, const json& value) {
@@ -206,6 +220,10 @@ Expected<SheetFitOptions> read_sheet_options(const json& given,
   reader.word("convex", kConvexWays, options.convex);
   reader.whole("samples", 0, 16, options.samples);
   reader.flag("limits", options.limits);
+  if (options.staged) options.hold_unseen = HoldUnseen::stand_in;
+  reader.word_or_number("hold_unseen", kHoldUnseen, HoldUnseen::value, options.hold_unseen,
+                        options.held_at);
+  reader.flag("without_grid_error", options.without_grid_error);
   reader.positive("sigma_m", options.sigma_m);
   reader.positive("sigma_N", options.sigma_N);
   reader.refuse_others();
@@ -239,7 +257,11 @@ json options_json(const SheetFitOptions& options) {
               {"starts", options.starts},
               {"convex", convex_word(options.convex)},
               {"samples", options.samples},
-              {"limits", options.limits}};
+              {"limits", options.limits},
+              {"hold_unseen", options.hold_unseen == HoldUnseen::value
+                                  ? json(options.held_at)
+                                  : json(word(kHoldUnseen, options.hold_unseen))},
+              {"without_grid_error", options.without_grid_error}};
   if (options.starts > 0) all["seed"] = options.seed;
   if (options.sigma_m > 0.0) all["sigma_m"] = options.sigma_m;
   if (options.sigma_N > 0.0) all["sigma_N"] = options.sigma_N;

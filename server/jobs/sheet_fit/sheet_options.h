@@ -7,14 +7,20 @@
 //    "held_out": ["<capture>"], "weights": {"<capture>": 2.0}, "robust": "none" | "huber" |
 //    "cauchy", "profiles": true, "sigma_m": 1e-4, "sigma_N": 0.003, "starts": 20, "seed": 1,
 //    "convex": "none" | "every_step" | "afterwards" | "by_construction", "samples": 3,
-//    "limits": true}
+//    "limits": true, "hold_unseen": "none" | "stand_in" | "start" | 2.6e-5,
+//    "without_grid_error": true}
 //
 // All may be absent. Models of springs are simulated on equal cells in any case. A staged fit needs
 // a role for every capture that is fitted; "evaluation" is the role of what is held out. "profiles"
 // asks for a word and an interval by profile likelihood for each free parameter, which costs more
 // than the fit. "starts" (how many), "convex", "samples" (at most how many) and "limits" are what
 // is done after the stages on request (requests/); server/jobs/fit_requests.h says which of them go
-// together. sigma_m and sigma_N stand in for captures that do not say theirs.
+// together. "hold_unseen": diagonal bending that the strips of a staged fit do not tell is held at
+// what stands in for it (estimation/staged/unseen.h: so a staged fit does unless told otherwise,
+// for a twist that nothing holds runs off by decades and spoils what is predicted), at the starting
+// model's value, or at this one (N m). "without_grid_error": after the stages all is fitted again
+// to what the cloth would show on a grid without error (estimation/staged/refit). sigma_m and
+// sigma_N stand in for captures that do not say theirs.
 #pragma once
 
 #include <map>
@@ -29,6 +35,7 @@
 namespace tenter::jobs {
 
 enum class ConvexWay { none, every_step, afterwards, by_construction };
+enum class HoldUnseen { none, stand_in, start, value };
 
 struct SheetFitOptions {
   int resolution = 25;          ///< nodes on a side of the simulated grid
@@ -48,6 +55,9 @@ struct SheetFitOptions {
   ConvexWay convex = ConvexWay::none;
   int samples = 0;  ///< most that get numbers of their own; 0: not asked for
   bool limits = false;
+  HoldUnseen hold_unseen = HoldUnseen::none;
+  double held_at = 0.0;  ///< of HoldUnseen::value, N m
+  bool without_grid_error = false;
   double sigma_m = 0.0;
   double sigma_N = 0.0;
 

@@ -314,6 +314,8 @@ TEST(FitOptions, OfASheetNameCapturesAsTheUserDid) {
   draft.resolution = 9;
   draft.grid = "equal";
   draft.at_once = true;
+  draft.without_grid_error = true;
+  draft.hold_unseen = "2.5e-5";
   const std::vector<std::string> names = {"data/pull u=1.h5", "data/b.h5", "cccccccc"};
   const std::vector<std::string> ids = {std::string(64, 'a'), std::string(64, 'b'),
                                         std::string(64, 'c')};
@@ -326,7 +328,9 @@ TEST(FitOptions, OfASheetNameCapturesAsTheUserDid) {
                       {"held_out", {ids[2]}},
                       {"resolution", 9},
                       {"grid", "equal"},
-                      {"staged", false}}));
+                      {"staged", false},
+                      {"without_grid_error", true},
+                      {"hold_unseen", 2.5e-5}}));
   for (const auto& [role, words] :
        {std::pair{"d.h5=shear", "--role d.h5: is none of the captures given"},
         std::pair{"b.h5", "must be CAPTURE=VALUE"}, std::pair{"b.h5=", "must be CAPTURE=VALUE"}}) {

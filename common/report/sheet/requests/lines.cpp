@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "common/report/sheet/document.h"
 #include "common/report/sheet/requests/requests.h"
 #include "common/report/text_parts.h"
 #include "common/report/words.h"
@@ -27,6 +30,16 @@ std::string samples_line(const Json& samples) {
 
 std::string request_lines(const Json& result) {
   std::string out;
+  if (const Json& grid = member(result, "grid_error"); grid.is_object()) {
+    double force = 0.0, position = 0.0;
+    for (const Json& capture : list(grid, "captures")) {
+      force = std::max(force, number(member(capture, "force"), "rms").value_or(0.0));
+      position = std::max(position, number(member(capture, "position"), "rms").value_or(0.0));
+    }
+    out += line("grid error", "taken off: up to " + quantity(force, "N") + " and " +
+                                  quantity(position, "m") + " of a capture (rms)" +
+                                  (flag(grid, "settled") ? "" : ", still changing"));
+  }
   if (const Json& starts = member(result, "starts"); starts.is_object())
     out +=
         line("starts", significant(number(starts, "in_best_basin")) + " of " +

@@ -9,6 +9,8 @@
 
 namespace tenter::report::sheet {
 
+/// How large the error of each capture's grid is that was taken off.
+std::string grid_error_section(const Json& result);
 /// The waterfall: costs of all starts in their order.
 std::string start_section(const Json& result);
 std::string convexity_section(const Json& result);

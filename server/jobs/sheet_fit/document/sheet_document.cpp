@@ -150,6 +150,17 @@ json profile_json(const SheetFindings& found, std::size_t parameter) {
   return nullptr;
 }
 
+/// Terms that a stage held because its captures do not tell them.
+bool is_held(const SheetFindings& found, const std::string& parameter) {
+  for (std::size_t s = 0; s < found.stages.size(); ++s) {
+    const auto& terms = found.stage_terms[s];
+    if (found.stages[s].held && std::find(terms.begin(), terms.end(),
+                                          parameter.substr(0, parameter.rfind('.'))) != terms.end())
+      return true;
+  }
+  return false;
+}
+
 json parameters_json(const SheetFindings& found) {
   json list = json::array();
   const auto names = estimation::parameter_names(found.fitted);
@@ -164,6 +175,7 @@ json parameters_json(const SheetFindings& found) {
          {"std_error", p.std_error ? number(*p.std_error) : json(nullptr)},
          {"interval", has_interval ? json{*p.interval_lo, *p.interval_hi} : json(nullptr)},
          {"profile", profile_json(found, i)},
+         {"held", is_held(found, names[i])},
          {"state", state_word(i < found.optimum.states.size() ? found.optimum.states[i]
                                                               : ParameterState::fixed)}});
   }
@@ -284,6 +296,11 @@ json checklist_json(const SheetFindings& found) {
   limits.correlation = kCorrelated;
   for (const estimation::Caveat& caveat : estimation::caveats(
            found.fitted, found.optimum, {}, found.profiles, dropped_frames(found), limits)) {
+    if (caveat.kind == estimation::CaveatKind::frozen && is_held(found, caveat.subject)) {
+      list.push_back(check("WARNING", "held: " + caveat.subject,
+                           caveat.sentence + "; the captures do not tell it"));
+      continue;
+    }
     const bool is_wanted = caveat.kind == estimation::CaveatKind::frozen;  // by the document
     list.push_back(check(is_wanted ? "OK" : "WARNING", heading(caveat), caveat.sentence));
   }

@@ -10,6 +10,7 @@
 
 #include "server/estimation/heterogeneity/progressive_samples.h"
 #include "server/estimation/limits/limit_fit.h"
+#include "server/estimation/sequences/discretisation/grid_error.h"
 #include "server/estimation/staged/start/multi_start.h"
 
 namespace tenter::jobs {
@@ -51,7 +52,24 @@ struct LimitFound {
   std::string message;
 };
 
+/// The fit to captures without the error of their grids.
+struct GridFreeFound {
+  struct OfCapture {
+    double order = 0.0;  ///< of the convergence that was taken
+    estimation::GridErrorSize force, position;
+    int frames_without = 0;         ///< without an estimate
+    estimation::Sequence measured;  ///< as it was captured
+    estimation::GridError error;
+  };
+  int rounds = 0;
+  bool settled = false;
+  double change_sigmas = 0.0;  ///< of the estimate, by the last round
+  double share_as_sigma = 0.0;
+  std::vector<OfCapture> captures;  ///< one an input
+};
+
 struct Requested {
+  std::optional<GridFreeFound> grid_free;
   std::optional<StartsFound> starts;
   std::optional<ConvexFound> convexity;
   std::optional<SamplesFound> samples;

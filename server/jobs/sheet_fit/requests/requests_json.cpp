@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/jobs/sheet_fit/requests/requests_json.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -89,6 +90,33 @@ json limit_json(const LimitFound& limit) {
           {"message", limit.message}};
 }
 
+/// Null where nothing of the kind was measured.
+json size_json(const estimation::GridErrorSize& size) {
+  if (size.rows == 0) return nullptr;
+  return {{"rms", number(size.rms)},
+          {"largest", number(size.largest)},
+          {"sigmas", number(size.sigmas)},
+          {"rows", size.rows}};
+}
+
+json grid_free_json(const GridFreeFound& grid_free, const SheetFindings& found) {
+  json captures = json::array();
+  for (std::size_t i = 0; i < grid_free.captures.size(); ++i) {
+    const GridFreeFound::OfCapture& of = grid_free.captures[i];
+    captures.push_back({{"id", found.inputs[i].id},
+                        {"title", found.inputs[i].capture.title},
+                        {"order", of.order},
+                        {"force", size_json(of.force)},
+                        {"position", size_json(of.position)},
+                        {"frames_without", of.frames_without}});
+  }
+  return {{"rounds", grid_free.rounds},
+          {"settled", grid_free.settled},
+          {"change_sigmas", number(grid_free.change_sigmas)},
+          {"share_as_sigma", grid_free.share_as_sigma},
+          {"captures", captures}};
+}
+
 json check(bool is_good, const std::string& what, const std::string& why) {
   return {{"level", is_good ? "OK" : "WARNING"}, {"what", what}, {"why", why}};
 }
@@ -104,6 +132,27 @@ json starts_check(const StartsFound& starts) {
     std::snprintf(why, sizeof why, "%d of %zu starts ended within %g %% of the lowest cost",
                   starts.in_best_basin, starts.outcomes.size(), 100.0 * starts.share);
   return check(!starts.is_better, "Random starts", why);
+}
+
+json grid_free_check(const GridFreeFound& grid_free) {
+  double force_N = 0.0, position_m = 0.0;
+  int without = 0;
+  for (const GridFreeFound::OfCapture& of : grid_free.captures) {
+    force_N = std::max(force_N, of.force.rms);
+    position_m = std::max(position_m, of.position.rms);
+    without += of.frames_without;
+  }
+  char why[320];
+  std::snprintf(why, sizeof why,
+                "estimated from a grid of half the spacing: up to %.2g N of a capture's forces and "
+                "%.2g m of its positions (rms); %s after %d rounds%s",
+                force_N, position_m, grid_free.settled ? "settled" : "still changing",
+                grid_free.rounds,
+                without > 0 ? ("; " + std::to_string(without) +
+                               " frames have no estimate: their forces were not fitted")
+                                  .c_str()
+                            : "");
+  return check(grid_free.settled && without == 0, "The grid's error was taken off", why);
 }
 
 json samples_check(const SamplesFound& samples) {
@@ -127,6 +176,8 @@ json samples_check(const SamplesFound& samples) {
 
 void put_requests(const SheetFindings& found, json& document) {
   const Requested& requested = found.requested;
+  document["grid_error"] =
+      requested.grid_free ? grid_free_json(*requested.grid_free, found) : json(nullptr);
   document["starts"] = requested.starts ? starts_json(*requested.starts) : json(nullptr);
   document["convexity"] =
       requested.convexity ? convexity_json(*requested.convexity, found) : json(nullptr);
@@ -136,6 +187,7 @@ void put_requests(const SheetFindings& found, json& document) {
 
 void put_request_checks(const SheetFindings& found, json& checklist) {
   const Requested& requested = found.requested;
+  if (requested.grid_free) checklist.push_back(grid_free_check(*requested.grid_free));
   if (requested.starts) checklist.push_back(starts_check(*requested.starts));
   if (requested.convexity) {
     const ConvexFound& convex = *requested.convexity;

@@ -176,12 +176,22 @@ Json sheet_fit() {
         {"unit", "N/m"},
         {"std_error", nullptr},
         {"interval", nullptr},
+        {"held", true},
         {"state", "at_bound"}}});
   root["correlations"] = Json::array({{{"a", "weft.k"}, {"b", "shear.k"}, {"value", -0.94}}});
   root["curves"] = Json::array({curve("weft", 81.0, true), curve("warp", 120.0, false)});
   root["figures"] = Json::array({loop(0), loop(1)});
   root["meshes"] = Json::array({mesh(0, "largest displacement"), mesh(0, "worst residual"),
                                 mesh(4, "largest displacement")});
+  root["grid_error"] = {
+      {"rounds", 2}, {"settled", false}, {"change_sigmas", 0.4}, {"share_as_sigma", 0.15}};
+  root["grid_error"]["captures"] =
+      Json::array({{{"id", sheet_id(2)},
+                    {"title", "FIXTURE wool, shear"},
+                    {"order", 1.7},
+                    {"force", {{"rms", 0.012}, {"largest", 0.03}, {"sigmas", 4.0}, {"rows", 320}}},
+                    {"position", nullptr},
+                    {"frames_without", 2}}});
   root["starts"] = {{"count", 3},         {"seed", 5},         {"widest", 10.0},
                     {"share", 0.01},      {"frames", 8},       {"cost_of_fit", 4100.0},
                     {"is_better", false}, {"in_best_basin", 2}};

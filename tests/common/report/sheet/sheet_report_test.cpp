@@ -20,14 +20,18 @@ TEST(SheetReport, ShowsEveryPartOfTheResult) {
   const std::string page = page_of(fixture::sheet_fit());
   for (const char* anchor :
        {"captures", "curves", "loops", "sheets", "stages", "parameters", "starts", "convexity",
-        "samples", "limit", "correlations", "model", "checklist"})
+        "samples", "limit", "grid-error", "correlations", "model", "checklist"})
     EXPECT_EQ(count(page, "<section id=\"" + std::string(anchor) + "\""), 1U) << anchor;
   EXPECT_EQ(count(page, "<svg class=\"plot\""), 5U);
   EXPECT_EQ(count(page, "<svg class=\"mesh\""), 3U);
   EXPECT_EQ(count(page, "series ribbon"), 1U);
   EXPECT_EQ(count(page, "class=\"unseen\""), 4U);  // below and above, of two curves
   for (const char* words :
-       {"forces by 3.3\u202fmN (1.1\u202f\u03c3) and positions by 0.081\u202fmm",
+       {"2 frames without an estimate: their forces were not fitted",
+        "at most 30\u202fmN; 4\u202f\u03c3",
+        "the estimate was still changing by 0.4",
+        "held: the captures do not tell it",
+        "forces by 3.3\u202fmN (1.1\u202f\u03c3) and positions by 0.081\u202fmm",
         "1 held out",
         "41\u202fmN \u2192 3.3\u202fmN",
         ">HELD OUT</span>",
@@ -92,7 +96,8 @@ TEST(SheetReport, TextSaysErrorsStagesAndWarnings) {
         "41\u202fmN -> 6.2\u202fmN", "[HELD OUT]", "1 frames dropped", "stretch u", "not done",
         "WARNING", "Frames dropped", "one sided", "above 0.125", "2 of 4 in the best basin",
         "1 of 1 tried were kept; held-out cost 800 -> 640", "yes; cost 4100 -> 4300",
-        "the limit \"lock\" is reached"})
+        "the limit \"lock\" is reached",
+        "taken off: up to 12\u202fmN and 0\u202fnm of a capture (rms), still changing"})
     EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << text;
 }
 

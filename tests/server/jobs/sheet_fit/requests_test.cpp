@@ -230,6 +230,7 @@ TEST(FitRequests, WhatDoesNotGoTogetherIsRefusedAtTheDoorInOneSentence) {
   for (const json& good :
        {json::object(), json{{"starts", 5}, {"convex", "every_step"}},
         with({{"samples", 2}, {"convex", "by_construction"}}), json{{"limits", false}},
+        json{{"hold_unseen", "start"}, {"without_grid_error", true}},
         with({{"samples", 0}, {"robust", "huber"}}), with({{"samples", 2}, {"robust", "none"}})})
     EXPECT_TRUE(check_fit_requests(cloth, good)) << good;
   EXPECT_TRUE(check_fit_requests(locking, {{"limits", true}, {"robust", "huber"}}));
@@ -246,6 +247,15 @@ TEST(FitRequests, WhatDoesNotGoTogetherIsRefusedAtTheDoorInOneSentence) {
       {cloth,
        {{"convex", "afterwards"}, {"profiles", true}},
        "options.convex=afterwards and options.profiles do not go together"},
+      {cloth,
+       {{"without_grid_error", true}, {"grid", "equal"}},
+       "options.without_grid_error and options.grid=equal do not go together"},
+      {document_of(model::preset("cloth_springs").value()),
+       {{"without_grid_error", true}},
+       "options.without_grid_error: the term \""},
+      {cloth,
+       {{"hold_unseen", 0}, {"staged", false}},
+       "options.hold_unseen: only a fit in stages has one"},
       {document_of(model::preset("stvk_orthotropic").value()),
        {{"convex", "by_construction"}},
        "options.convex: the term \"coupling\" has the law \"bilinear\""}};

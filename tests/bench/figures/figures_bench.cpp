@@ -5,7 +5,7 @@
 //   tenter-bench-figures FOLDER [SCENE or FILE.scene.json ...]
 //
 // FOLDER gets NAME.svg (figure) and NAME/result.json, NAME/frames.h5. Printed: the numbers of every
-// run and CPU seconds.
+// run and CPU seconds; of strips that unroll, how far they are from one dimension.
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
@@ -20,6 +20,7 @@
 #include "common/scene/document.h"
 #include "common/scene/examples.h"
 #include "server/jobs/results/run_job.h"
+#include "tests/bench/figures/spiral_check.h"
 
 namespace {
 
@@ -82,8 +83,11 @@ bool draw(const std::string& name, const fs::path& folder) {
   if (!svg || !words) return false;
   std::ofstream(folder / (experiment->name + ".svg")) << *svg;
   std::printf("== %s, %.1f s of CPU\n%s\n", experiment->name.c_str(), cpu_s, words->c_str());
+  const scene::Scene& scene = experiment->scene;
+  const bool is_spiral = scene.start.place == scene::Start::Place::wound;
+  const bool good = !is_spiral || bench::check_spirals(scene, experiment->text);
   std::fflush(stdout);
-  return true;
+  return good;
 }
 
 }  // namespace

@@ -19,22 +19,14 @@ namespace tenter::report::sheet {
 
 namespace {
 
-constexpr PageSection kSections[] = {{"captures", "Captures"},
-                                     {"curves", "Curves"},
-                                     {"loops", "Loops"},
-                                     {"residuals", "Residuals"},
-                                     {"figures", "Figures"},
-                                     {"sheets", "The sheet"},
-                                     {"stages", "Stages"},
-                                     {"grid-error", "Grid error"},
-                                     {"starts", "Starts"},
-                                     {"convexity", "Convexity"},
-                                     {"samples", "Samples"},
-                                     {"limit", "Limit"},
-                                     {"parameters", "Parameters"},
-                                     {"correlations", "Correlations"},
-                                     {"model", "Model"},
-                                     {"checklist", "Checklist"}};
+constexpr PageSection kSections[] = {{"captures", "Captures"},     {"curves", "Curves"},
+                                     {"loops", "Loops"},           {"residuals", "Residuals"},
+                                     {"figures", "Figures"},       {"sheets", "The sheet"},
+                                     {"stages", "Stages"},         {"grid-error", "Grid error"},
+                                     {"starts", "Starts"},         {"convexity", "Convexity"},
+                                     {"samples", "Samples"},       {"limit", "Limit"},
+                                     {"parameters", "Parameters"}, {"correlations", "Correlations"},
+                                     {"model", "Model"},           {"checklist", "Checklist"}};
 
 /// "force  12.1 mN -> 3.2 mN  1.1 sigma" cells of a line.
 std::string error_words(const Json& errors, const char* unit) {
@@ -118,9 +110,10 @@ std::string render_page(const Json& result) {
   const std::string details =
       capture_table(result) + curve_section(result) +
       figure_sections(result, {"starting model", "fitted model", true}) + mesh_section(result) +
-      stage_table(result) + grid_error_section(result) + start_section(result) + convexity_section(result) +
-      sample_section(result) + limit_section(result) + parameter_table(result) +
-      correlation_table(result) + model_table(result) + checklist_table(result);
+      stage_table(result) + grid_error_section(result) + start_section(result) +
+      convexity_section(result) + sample_section(result) + limit_section(result) +
+      parameter_table(result) + correlation_table(result) + model_table(result) +
+      checklist_table(result);
   std::string body = page_header(result, subject(result), headline(result), kSections, details);
   body += error_cards(result) + details;
   body += "<footer>" + fit_note(result) +

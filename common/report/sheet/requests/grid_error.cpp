@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/report/html_parts.h"
 #include "common/report/html_text.h"
-#include "common/report/html_text.h"
 #include "common/report/sheet/document.h"
 #include "common/report/sheet/requests/requests.h"
 #include "common/report/words.h"

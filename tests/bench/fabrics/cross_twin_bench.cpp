@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tenter-bench-cross-twin [fabric] [nodes] [frames] [friction 0|1|2] [twist 0|1] [beta] [span]: the
-// five sequences of a twin from the smooth sheet, which shares nothing with the fit, are fitted on a
-// grid; then how far the curves are off, and how well the two sequences that were left out are
+// five sequences of a twin from the smooth sheet, which shares nothing with the fit, are fitted on
+// a grid; then how far the curves are off, and how well the two sequences that were left out are
 // predicted, beside the noise; then the same without the error of the grid itself
 // (staged/refit). Friction: 0 none; 1 in the data, fitted by an elastic model; 2 also in the model.
 // These five sequences hardly see twist: with 1 its stiffness is given, to tell what that costs.
@@ -15,14 +15,14 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <limits>
 #include <string>
 
 #include "common/model/catalogue.h"
 #include "server/estimation/fit.h"
-#include "server/estimation/sequences/discretisation/grid_error.h"
+#include "server/estimation/least_squares/dissipation.h"
 #include "server/estimation/sequences/material/grid_layout.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
+#include "server/estimation/staged/refit/grid_free_fit.h"
 #include "server/estimation/staged/unseen.h"
 #include "server/mechanics/law.h"
 #include "tests/bench/fabrics/frame_errors.h"
@@ -73,7 +73,7 @@ double reach(const twin::Fabric& cloth, twin::Mode mode) {
 
 /// The fabric's own form, but a shear curve over what the data reach, and bending constant: all of
 /// it can be found.
-model::Model fitted_form(const twin::Fabric& cloth, bool knows_twist) {
+model::Model elastic_form(const twin::Fabric& cloth, bool knows_twist) {
   model::Model model = twin::fabric_model(cloth);
   const double true_twist = model.terms[5].law.parameters[0].value;
   for (std::size_t m = 2; m < model.terms.size(); ++m) {
@@ -102,19 +102,30 @@ model::Model fitted_form(const twin::Fabric& cloth, bool knows_twist) {
   return model;
 }
 
-bool is_bend(const std::string& sequence) {
-  return sequence.starts_with("bend");
+/// Dahl's friction beside stretch, shear and bending, small to begin with. Its bound follows the
+/// strain, by the square too where stretch stiffens; that of the fabrics follows the stress.
+model::Model with_friction(model::Model model, const twin::Fabric& cloth) {
+  for (std::size_t m = 0; m < 5; ++m) {
+    const model::Term& of = model.terms[m];
+    const auto mode = static_cast<twin::Mode>(m);
+    const double k = of.law.parameters.front().value;
+    const double most = twin::strain_scale(mode) * reach(cloth, mode);
+    model::Term term;
+    term.id = of.id + "_friction";
+    term.strain = of.strain;
+    term.law.name = "dahl";
+    term.law.parameters = model::default_parameters(
+        *model::find_law("dahl"), 1, m < 3 ? model::Domain::membrane : model::Domain::hinge);
+    const double values[] = {0.01 * k * most, 0.2 * k, 0.0, 0.1 * most};
+    for (std::size_t i = 0; i < 4; ++i) term.law.parameters[i].value = values[i];
+    term.law.parameters[2].fixed = m > 1;
+    model.terms.push_back(std::move(term));
+  }
+  return model;
 }
 
-/// Thesis 3.4.1: stretch is fitted to forces, shear to those along the clips, bending to positions.
-Sequence as_fitted(Sequence sequence) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  for (auto& frame : sequence.frames) {
-    if (!is_bend(sequence.name)) frame.points_m.setConstant(kNone);
-    for (Eigen::Index k = 0; k < frame.forces_N.size(); ++k)
-      if (sequence.name == "shear" && k % 2 == 0) frame.forces_N[k] = kNone;
-  }
-  return sequence;
+bool is_bend(const std::string& sequence) {
+  return sequence.starts_with("bend");
 }
 
 void print_curves(const twin::Fabric& cloth, const model::Model& fitted) {
@@ -162,71 +173,89 @@ void print_folds(const std::vector<twin::FrameError>& frames) {
   }
 }
 
-/// Of the fitted curves, then of the true ones: what the grid alone costs.
+/// Of the fitted curves; then the floor, which is the noise and what the true curves miss; and how
+/// many times that the fit misses.
+void print_error(const char* what, double of_fit, double of_truth) {
+  std::printf("  %s %7.2f, true curves %7.2f: %5.2f floors", what, of_fit, of_truth,
+              of_fit / std::max(1.0, of_truth));
+}
+
 void print_prediction(const Sequence& sequence, const model::Model& fitted,
                       const Sequence& for_truth, const model::Model& truth) {
   const auto frames = twin::frame_errors(sequence, fitted);
   const twin::MeanErrors of_fit = mean_errors(frames),
                          of_truth = mean_errors(twin::frame_errors(for_truth, truth));
-  std::printf("  %-14s position %7.2f, true curves %7.2f", sequence.name.c_str(), of_fit.position,
-              of_truth.position);
-  if (!sequence.forces.empty())
-    std::printf("   force %7.2f, true curves %7.2f", of_fit.force, of_truth.force);
+  std::printf("  %-13s", sequence.name.c_str());
+  print_error("position", of_fit.position, of_truth.position);
+  if (!sequence.forces.empty()) print_error("force", of_fit.force, of_truth.force);
   if (of_fit.meaningless > 0)
-    std::printf("   without %d folded frames position %.2f", of_fit.meaningless,
+    std::printf("  without %d folded frames position %.2f", of_fit.meaningless,
                 of_fit.position_where_meaningful);
-  if (of_fit.lost > 0) std::printf("   %d frames without rest", of_fit.lost);
+  if (of_fit.lost > 0) std::printf("  %d frames without rest", of_fit.lost);
   std::printf("\n");
   print_folds(frames);
   std::fflush(stdout);
 }
 
-/// A sequence on the grid and on one of half its spacing, with the same measured values. Of bending
-/// on equal cells a third, which leaves the table's edge half way between two lines; it converges
-/// by the second order.
-struct TwoGrids {
-  Sequence coarse, fine;
-  double order;  ///< that tenter-bench-discretisation finds
-};
+using estimation::OnTwoGrids;
 constexpr std::size_t kTraining = 5;
-constexpr double kShareAsSigma = 0.15;
+constexpr estimation::Role kRoles[] = {estimation::Role::stretch_u, estimation::Role::stretch_v,
+                                       estimation::Role::shear, estimation::Role::bend_u,
+                                       estimation::Role::bend_v};
 
-Expected<std::vector<TwoGrids>> make_twins(const twin::Fabric& cloth, int nodes, int frames,
-                                           double beta) {
-  std::vector<TwoGrids> twins;
+struct Asked {
+  std::string id = "18";
+  int nodes = 25;
+  int frames = 20;
+  int friction = 0;
+  bool knows_twist = false;
+  double beta = estimation::LayoutOptions().beta;
+  double span_mm = 4.2;
+};
+
+/// Every sequence on the grid and on one of half its spacing. Of bending on equal cells a third,
+/// which leaves the table's edge half way between two lines.
+Expected<std::vector<OnTwoGrids>> make_twins(const twin::Fabric& cloth, const Asked& asked) {
+  std::vector<OnTwoGrids> twins;
   twin::Random random(twin::stream_seed(1, "rig"));
   for (const std::string& name : twin::protocol_names()) {
     const double begin = seconds();
     twin::CrossOptions options;
     options.grid.holds_line_beyond_edge = true;
-    options.grid.grading = beta;
-    const int finer = is_bend(name) && beta == 0.0 ? 3 : 2;
+    options.grid.grading = asked.beta;
+    options.sheet.span_m = 1e-3 * asked.span_mm;
+    const int finer = is_bend(name) && asked.beta == 0.0 ? 3 : 2;
     auto made = twin::cross_twins(
-        cloth, twin::make_protocol(cloth, name, {.frames = frames, .cells = nodes - 1}), options,
-        {nodes, finer * (nodes - 1) + 1});
+        cloth, twin::make_protocol(cloth, name, {.frames = asked.frames, .cells = asked.nodes - 1}),
+        options, {asked.nodes, finer * (asked.nodes - 1) + 1});
     if (!made) return tl::unexpected(made.error());
     std::printf("  %-14s made in %5.1f s: %d unknowns, %d steps of Newton's method\n", name.c_str(),
                 seconds() - begin, made->front().unknowns, made->front().iterations);
     std::fflush(stdout);
-    const double order = is_bend(name) ? 2.0 : beta > 0.0 ? 1.7 : 1.3;
-    twins.push_back({std::move((*made)[0].sequence), std::move((*made)[1].sequence), order});
-    TwoGrids& twin = twins.back();
-    twin::add_rig_noise({}, random, twin.coarse);
-    for (std::size_t f = 0; f < twin.coarse.frames.size(); ++f) {
-      twin.fine.frames[f].points_m = twin.coarse.frames[f].points_m;
-      twin.fine.frames[f].forces_N = twin.coarse.frames[f].forces_N;
-    }
+    OnTwoGrids& twin = twins.emplace_back();
+    twin.is_fitted = twins.size() <= kTraining;
+    twin.coarse = {twin.is_fitted ? kRoles[twins.size() - 1] : estimation::Role::evaluation,
+                   std::move((*made)[0].sequence)};
+    twin.fine = std::move((*made)[1].sequence);
+    // clips from edge to edge leave the cells equal
+    const bool is_graded = asked.beta > 0.0 && (name == "shear" || name == "corner_pull");
+    twin.order = estimation::order_of(twin.coarse.sequence, is_graded);
+    twin::add_rig_noise({}, random, twin.coarse.sequence);
+    measure_as(twin.coarse.sequence, twin.fine);
   }
   return twins;
 }
 
-Sequence corrected(const TwoGrids& twin, const model::Model& model, double share_as_sigma) {
+/// Without the grid's error as the model has it; sigmas stay those of the readings.
+Sequence corrected(const OnTwoGrids& twin, const model::Model& model) {
   estimation::GridErrorOptions options;
-  options.share_as_sigma = share_as_sigma;
+  options.share_as_sigma = 0.0;
   options.of_positions = true;
   options.order = twin.order;
-  return without_grid_error(twin.coarse,
-                            estimation::grid_error(model, twin.coarse, twin.fine, options).value());
+  options.threads = 2;
+  const Sequence& coarse = twin.coarse.sequence;
+  return without_grid_error(coarse,
+                            estimation::grid_error(model, coarse, twin.fine, options).value());
 }
 
 /// Begins where `model` is, and stores what it finds there.
@@ -239,7 +268,9 @@ bool fit_to(const std::vector<Sequence>& sequences, model::Model& model) {
     return false;
   }
   const double begin = seconds();
-  const estimation::FitResult fitted = fit(*evaluator, model, {});
+  estimation::FitOptions options;
+  options.friction = estimation::friction_places(model);
+  const estimation::FitResult fitted = fit(*evaluator, model, options);
   std::printf(" fit: %s %s, %d iterations, %.1f s\n", fitted.usable ? "usable," : "not usable,",
               fitted.message.c_str(), fitted.iterations, seconds() - begin);
   if (!fitted.usable) {
@@ -255,53 +286,77 @@ bool fit_to(const std::vector<Sequence>& sequences, model::Model& model) {
   return fit_to(sequences, model);
 }
 
+Asked read(int count, char** arguments) {
+  Asked asked;
+  if (count > 1) asked.id = arguments[1];
+  if (count > 2) asked.nodes = std::atoi(arguments[2]);
+  if (count > 3) asked.frames = std::atoi(arguments[3]);
+  if (count > 4) asked.friction = std::atoi(arguments[4]);
+  if (count > 5) asked.knows_twist = std::atoi(arguments[5]) != 0;
+  if (count > 6) asked.beta = std::atof(arguments[6]);
+  if (count > 7) asked.span_mm = std::atof(arguments[7]);
+  frames_asked_for = asked.frames;
+  return asked;
+}
+
+void print_all(const twin::Fabric& cloth, const std::vector<OnTwoGrids>& twins,
+               const model::Model& model, bool less_grid_error) {
+  std::printf(" curves, in parts of the stress at the end of what the data reach\n");
+  print_curves(cloth, model);
+  std::printf(" residuals in units of the noise, of the sequences fitted to\n");
+  const model::Model truth = twin::fabric_model(cloth);
+  for (std::size_t s = 0; s < twins.size(); ++s) {
+    if (s == kTraining) std::printf(" of those left out; the goal is twice the floor\n");
+    const Sequence& as_it_is = twins[s].coarse.sequence;
+    if (less_grid_error)
+      print_prediction(corrected(twins[s], model), model, corrected(twins[s], truth), truth);
+    else
+      print_prediction(as_it_is, model, as_it_is, truth);
+  }
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
-  const std::string id = count > 1 ? arguments[1] : "18";
-  const int nodes = count > 2 ? std::atoi(arguments[2]) : 25;
-  const int frames = count > 3 ? std::atoi(arguments[3]) : 20;
-  const bool has_friction = count > 4 && std::atoi(arguments[4]) != 0;
-  const bool knows_twist = count > 5 && std::atoi(arguments[5]) != 0;
+  const Asked asked = read(count, arguments);
   const twin::Fabric cloth =
-      has_friction ? twin::fabric(id) : twin::without_friction(twin::fabric(id));
-  const double beta = count > 6 ? std::atof(arguments[6]) : estimation::LayoutOptions().beta;
-  std::printf("#%s %s, %d x %d nodes, %d frames a sequence, %s friction, twist %s, beta %.1f\n",
-              id.c_str(), cloth.name.c_str(), nodes, nodes, frames,
-              has_friction ? "with" : "without", knows_twist ? "given" : "fitted", beta);
-  const auto twins = make_twins(cloth, nodes, frames, beta);
+      asked.friction > 0 ? twin::fabric(asked.id) : twin::without_friction(twin::fabric(asked.id));
+  constexpr const char* kFrictions[] = {"no friction", "friction in the data",
+                                        "friction in data and model"};
+  std::printf(
+      "#%s %s, %d x %d nodes, %d frames a sequence, %s, twist %s, beta %.1f, span %.1f mm\n",
+      asked.id.c_str(), cloth.name.c_str(), asked.nodes, asked.nodes, asked.frames,
+      kFrictions[std::clamp(asked.friction, 0, 2)], asked.knows_twist ? "given" : "fitted",
+      asked.beta, asked.span_mm);
+  const auto twins = make_twins(cloth, asked);
   if (!twins) {
     std::printf("  %s\n", twins.error().message.c_str());
     return 1;
   }
-  const model::Model truth = twin::fabric_model(cloth);
-  model::Model model = fitted_form(cloth, knows_twist);
-  constexpr int kRounds = 4;  // the error is estimated at the curves of the round before
-  for (int round = 0; round < kRounds; ++round) {
-    const bool less_grid_error = round > 0;
-    if (round < 2)
-      std::printf("%s\n", less_grid_error
-                              ? "without the grid's error, estimated at the curves of the last fit"
-                              : "fitted on the grid as it is");
-    std::vector<Sequence> fitted_to;
-    for (std::size_t s = 0; s < kTraining; ++s) {
-      Sequence sequence = (*twins)[s].coarse;
-      if (less_grid_error) sequence = corrected((*twins)[s], model, kShareAsSigma);
-      fitted_to.push_back(as_fitted(sequence));
-    }
-    if (!fit_to(fitted_to, model)) return 1;
-    if (less_grid_error && round + 1 < kRounds) continue;
-    std::printf(" curves, in parts of the stress at the end of what the data reach\n");
-    print_curves(cloth, model);
-    std::printf(" residuals in units of the noise, of the sequences fitted to\n");
-    for (std::size_t s = 0; s < twins->size(); ++s) {
-      if (s == kTraining) std::printf(" of those left out; the goal is 2\n");
-      const TwoGrids& twin = (*twins)[s];
-      if (less_grid_error)
-        print_prediction(corrected(twin, model, 0.0), model, corrected(twin, truth, 0.0), truth);
-      else
-        print_prediction(twin.coarse, model, twin.coarse, truth);
-    }
+  model::Model model = elastic_form(cloth, asked.knows_twist);
+  if (asked.friction > 1) model = with_friction(std::move(model), cloth);
+  std::printf("fitted on the grid as it is\n");
+  std::vector<Sequence> fitted_to;
+  for (std::size_t s = 0; s < kTraining; ++s)
+    fitted_to.push_back(observed((*twins)[s].coarse, estimation::Channels::thesis));
+  if (!fit_to(fitted_to, model)) return 1;
+  print_all(cloth, *twins, model, false);
+
+  std::printf("without the grid's error, estimated at the fitted curves\n");
+  estimation::GridFreeOptions options;
+  options.stage.threads = 2;
+  options.stage.tolerance = 1e-6;
+  const double begin = seconds();
+  const auto fit = estimation::grid_free_fit(model, *twins, options);
+  if (!fit) {
+    std::printf("  %s\n", fit.error().message.c_str());
+    return 1;
   }
+  for (const estimation::StageRecord& round : fit->rounds)
+    std::printf(" %s: %s, %d iterations, %zu frames dropped\n", round.name.c_str(),
+                round.message.c_str(), round.iterations, round.dropped.size());
+  std::printf(" %s: the estimate changed by %.2f of a reading; %.1f s\n",
+              fit->settled ? "settled" : "not settled", fit->change_sigmas, seconds() - begin);
+  print_all(cloth, *twins, fit->model, true);
   return 0;
 }

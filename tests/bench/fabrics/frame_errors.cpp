@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/estimation/sequences/sequence_evaluator.h"
+#include "server/mechanics/assembly/mesh_model.h"
 #include "server/mechanics/law.h"
 
 namespace tenter::twin {
@@ -11,33 +12,53 @@ namespace tenter::twin {
 using estimation::Sequence;
 using estimation::SequenceEvaluator;
 
+namespace {
+
+/// Rows of one frame of an evaluation, and its folds.
+FrameError error_of(const SequenceEvaluator& evaluator, const Eigen::VectorXd& residuals,
+                    const Sequence& sequence, std::size_t frame) {
+  const int first_force = 3 * static_cast<int>(sequence.points.size());
+  FrameError error;
+  error.rests = true;
+  std::vector<double> positions, forces;
+  for (int r = 0; r < evaluator.row_count(); ++r) {
+    const auto& row = evaluator.rows()[static_cast<std::size_t>(r)];
+    if (row.frame == static_cast<int>(frame))
+      (row.channel < first_force ? positions : forces).push_back(residuals[r]);
+  }
+  const auto as_vector = [](const std::vector<double>& of) {
+    return Eigen::VectorXd(
+        Eigen::Map<const Eigen::VectorXd>(of.data(), static_cast<Eigen::Index>(of.size())));
+  };
+  error.positions = as_vector(positions);
+  error.forces = as_vector(forces);
+  if (auto folds = estimation::compare_folds(sequence, frame, evaluator.states()[0][frame])) {
+    error.has_folds = true;
+    error.folds = std::move(*folds);
+  }
+  return error;
+}
+
+}  // namespace
+
 std::vector<FrameError> frame_errors(const Sequence& sequence, const model::Model& model) {
   const Eigen::VectorXd parameters = mechanics::term_parameters(model);
-  const int first_force = 3 * static_cast<int>(sequence.points.size());
-  std::vector<FrameError> errors;
-  for (const auto& frame : sequence.frames) {
+  std::vector<FrameError> errors(sequence.frames.size());
+  Eigen::VectorXd residuals;
+  if (mechanics::MeshModel::make(model, sequence.cloth).value().history_count() > 0) {
+    auto whole = SequenceEvaluator::make(model, {sequence}).value();
+    if (whole.evaluate(parameters, residuals, nullptr) == mechanics::PathStatus::ok)
+      for (std::size_t f = 0; f < errors.size(); ++f)
+        errors[f] = error_of(whole, residuals, sequence, f);
+    return errors;
+  }
+  for (std::size_t f = 0; f < errors.size(); ++f) {
     Sequence one = sequence;
-    one.frames = {frame};
-    if (frame.start) one.start = *frame.start;
+    one.frames = {sequence.frames[f]};
+    if (one.frames.front().start) one.start = *one.frames.front().start;
     auto evaluator = SequenceEvaluator::make(model, {one}).value();
-    FrameError& error = errors.emplace_back();
-    Eigen::VectorXd residuals;
-    if (evaluator.evaluate(parameters, residuals, nullptr) != mechanics::PathStatus::ok) continue;
-    error.rests = true;
-    std::vector<double> positions, forces;
-    for (int r = 0; r < evaluator.row_count(); ++r)
-      (evaluator.rows()[static_cast<std::size_t>(r)].channel < first_force ? positions : forces)
-          .push_back(residuals[r]);
-    const auto as_vector = [](const std::vector<double>& of) {
-      return Eigen::VectorXd(
-          Eigen::Map<const Eigen::VectorXd>(of.data(), static_cast<Eigen::Index>(of.size())));
-    };
-    error.positions = as_vector(positions);
-    error.forces = as_vector(forces);
-    if (auto folds = estimation::compare_folds(one, 0, evaluator.states()[0][0])) {
-      error.has_folds = true;
-      error.folds = std::move(*folds);
-    }
+    if (evaluator.evaluate(parameters, residuals, nullptr) == mechanics::PathStatus::ok)
+      errors[f] = error_of(evaluator, residuals, one, 0);
   }
   return errors;
 }

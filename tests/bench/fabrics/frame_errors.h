@@ -5,7 +5,8 @@
 //   const auto frames = frame_errors(sequence, fabric_model(fabric));
 //   const MeanErrors all = mean_errors(frames);     // position 1.2, force 3.4 of the noise
 //
-// A frame without rest costs no other. Aborts on a model that does not fit the sequence.
+// A frame without rest costs no other, but of a model that remembers its path. Aborts on a model
+// that does not fit the sequence.
 #pragma once
 
 #include <Eigen/Core>

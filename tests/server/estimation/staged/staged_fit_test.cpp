@@ -229,6 +229,13 @@ TEST(StagedFit, HoldsDiagonalBendingThatTheStripsDoNotTell) {
   ASSERT_TRUE(again) << again.error().message;
   EXPECT_TRUE(stage_of(*again, "bend_diagonal").held);
   EXPECT_EQ(again->model.terms[5].law.parameters[0].value, k(5).value);
+  // or where it is asked to be
+  options.held_at = 3e-5;
+  const auto asked = staged_fit(truth, measured, options);
+  ASSERT_TRUE(asked) << asked.error().message;
+  EXPECT_EQ(stage_of(*asked, "bend_diagonal").message,
+            "not seen by the data: held at the value given for that");
+  EXPECT_EQ(asked->model.terms[5].law.parameters[0].value, 3e-5);
 }
 
 TEST(Unseen, IsWhatTwoErrorsAreMoreThan) {

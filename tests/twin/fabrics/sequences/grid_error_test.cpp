@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "common/model/catalogue.h"
+#include "server/estimation/sequences/sequence_evaluator.h"
 #include "server/estimation/staged/refit/grid_free_fit.h"
+#include "server/mechanics/law.h"
 #include "tests/twin/fabrics/sequences/coverage.h"
 #include "tests/twin/fabrics/sequences/same_mesh.h"
 
@@ -67,6 +70,50 @@ TEST(GridError, TwoGridsTellMostOfWhatAFinerOneMeasures) {
     EXPECT_NEAR(better.forces[k].sigma_N, std::hypot(sigma, kShare * std::sqrt(squares)),
                 1e-12 * sigma);
   }
+}
+
+/// Simulated forces of all frames, one path.
+std::vector<Eigen::VectorXd> forces_on_path(const model::Model& model, const Sequence& sequence) {
+  auto evaluator = estimation::SequenceEvaluator::make(model, {sequence}).value();
+  Eigen::VectorXd residuals;
+  EXPECT_EQ(evaluator.evaluate(mechanics::term_parameters(model), residuals, nullptr),
+            mechanics::PathStatus::ok);
+  std::vector<Eigen::VectorXd> forces;
+  for (const auto& frame : sequence.frames) forces.push_back(frame.forces_N);
+  const int first = 3 * static_cast<int>(sequence.points.size());
+  for (int r = 0; r < evaluator.row_count(); ++r) {
+    const estimation::Row& row = evaluator.rows()[static_cast<std::size_t>(r)];
+    const int k = row.channel - first;
+    if (k >= 0)
+      forces[static_cast<std::size_t>(row.frame)][k] +=
+          residuals[r] * sequence.forces[static_cast<std::size_t>(k)].sigma_N;
+  }
+  return forces;
+}
+
+TEST(GridError, OfAModelThatRemembersIsThatOfItsPath) {
+  const ThreeGrids grids = three_grids();
+  model::Model rubbing = fabric_model(fabric("18"));
+  model::Term friction = rubbing.terms[2];
+  friction.id = "shear_friction";
+  friction.law.name = "dahl";
+  friction.law.parameters =
+      model::default_parameters(*model::find_law("dahl"), 1, model::Domain::membrane);
+  friction.law.parameters[1].value = 20.0;
+  friction.law.parameters[3].value = 0.2;  // longer than the way: what was before is not forgotten
+  rubbing.terms.push_back(friction);
+  const auto error = estimation::grid_error(rubbing, grids.coarse, grids.fine, {.order = 1.0});
+  ASSERT_TRUE(error) << error.error().message;
+  const auto coarse = forces_on_path(rubbing, grids.coarse),
+             fine = forces_on_path(rubbing, grids.fine);
+  const Eigen::VectorXd& last = error->frames.back().forces_N;
+  const Eigen::VectorXd expected = 2.0 * (fine.back() - coarse.back());
+  EXPECT_GT(last.norm(), 0.02 * fine.back().norm());
+  EXPECT_LT((last - expected).norm(), 1e-4 * last.norm());
+  // a frame by itself would be another: it comes from a sheet that was never sheared
+  Sequence alone = grids.coarse;
+  alone.frames = {grids.coarse.frames.back()};
+  EXPECT_GT((forces_on_path(rubbing, alone)[0] - coarse.back()).norm(), 0.1 * last.norm());
 }
 
 TEST(GridError, GridsThatCannotBeComparedAreToldSo) {

@@ -68,6 +68,27 @@ class Scenes(CommandTest):
         for name in ("hanging_square", "picture_frame", "corner_pull", "table_edge"):
             self.assertIn(name, listed)
 
+    def test_an_experiment_has_a_figure(self):
+        there_and_back = [{"name": name, "frames": 6, "duration_s": 6, "motions": [{"clip": "top", "move_m": [0, by, 0]}]}
+                          for name, by in (("there", 0.003), ("back", -0.003))]
+        scene = json.loads(self.run_command("scene", "show", "stretch_loops_cotton").stdout)
+        scene["experiment"]["measures"] = [{"id": "lost", "kind": "work", "clip": "top", "words": "work lost"}]
+        scene["experiment"]["pictures"] = [{"title": "stretched", "at": "there", "eye": [0, 0, 1], "up": [0, 1, 0]}]
+        scene["protocol"] = there_and_back
+        scene["mesh"].update({"nodes_u": 3, "nodes_v": 3})
+        (self.work / "loop.json").write_text(json.dumps(scene))
+        done = self.run_command("simulate", "--scene", "loop.json", "--figure", "loop.svg")
+        for words in ("with cotton: 13 of 13 frames", "0.5 mm/s, without friction", "work lost (mJ): "):
+            self.assertIn(words, done.stdout)
+        drawn = xml.parse(self.work / "loop.svg").getroot()
+        self.assertEqual(drawn.tag, "{http://www.w3.org/2000/svg}svg")
+        texts = ["".join(text.itertext()) for text in drawn.iter("{http://www.w3.org/2000/svg}text")]
+        self.assertEqual(texts.count("2 mm/s"), 3)  # picture, table, key of the plot
+        painted = [p for p in drawn.iter("{http://www.w3.org/2000/svg}path") if p.get("fill", "").startswith("#")]
+        self.assertEqual(len(painted), 4 * 8)
+        self.assertIn("no 'experiment'", self.json("simulate", "--scene", "picture_frame", "--figure", "no.svg",
+                                                   code=2)["error"]["message"])
+
     def test_a_mesh_of_ones_own(self):
         nodes = [f"v {i % 6} {i // 6} 0" for i in range(36)]
         faces = [f"f {r * 6 + c + 1} {r * 6 + c + 2} {r * 6 + c + 8} {r * 6 + c + 7}"

@@ -100,7 +100,7 @@ Expected<std::vector<WalkedRun>> walk_all(const JobInput& input,
   for (const scene::Run& run : runs) {
     const auto share = [&](const JobProgress& progress) {
       JobProgress all = progress;
-      all.fraction = (static_cast<double>(walked.size()) + progress.fraction) /
+      all.fraction = 0.98 * (static_cast<double>(walked.size()) + progress.fraction) /
                      static_cast<double>(runs.size());
       report(all);
     };

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/model/catalogue.h"
 #include "common/model/presets.h"
 #include "tests/server/mechanics/differences.h"
 #include "tests/server/mechanics/law_checks.h"

@@ -116,6 +116,59 @@ TEST_F(SceneJob, LeavesFramesThatAgreeWithTheSummary) {
   EXPECT_TRUE(named);
 }
 
+/// Cotton that is stretched and let go: friction keeps work, pace does not matter.
+TEST_F(SceneJob, AnExperimentIsRunWithAllItsVariants) {
+  json scene = shipped("stretch_loops_cotton");
+  scene["mesh"]["nodes_u"] = scene["mesh"]["nodes_v"] = 3;
+  scene["protocol"] = {{{"name", "there"},
+                        {"frames", 12},
+                        {"duration_s", 6},
+                        {"motions", {{{"clip", "top"}, {"move_m", {0, 0.003, 0}}}}}},
+                       {{"name", "back"},
+                        {"frames", 12},
+                        {"duration_s", 6},
+                        {"motions", {{{"clip", "top"}, {"move_m", {0, -0.003, 0}}}}}}};
+  json& experiment = scene["experiment"];
+  experiment["measures"] = {{{"id", "lost"}, {"kind", "work"}, {"clip", "top"}, {"from", "start"}},
+                            {{"id", "taken"}, {"kind", "work"}, {"clip", "top"}, {"at", "there"}},
+                            {{"id", "rate"}, {"kind", "force_difference"}, {"clip", "top"}}};
+  experiment["pictures"] = {
+      {{"title", "stretched"}, {"at", "there"}, {"eye", {0, 0, 1}}, {"up", {0, 1, 0}}}};
+  const auto done = run(spec(scene, "cotton"), "a");
+  ASSERT_TRUE(done) << done.error().message;
+  const json found = json::parse(bytes("a/result.json"))["experiment"];
+  ASSERT_EQ(found["runs"].size(), 4U);
+  const auto number = [&](std::size_t run, const char* measure) {
+    return found["runs"][run]["measures"][measure].get<double>();
+  };
+  const double taken = number(0, "taken");
+  ASSERT_GT(taken, 1e-4);
+  EXPECT_GT(number(0, "lost"), 0.3 * taken);
+  EXPECT_LT(std::abs(number(3, "lost")), 1e-3 * number(3, "taken"));
+  EXPECT_LT(std::abs(number(2, "lost") / number(0, "lost") - 1.0), 1e-3);
+  EXPECT_EQ(number(0, "rate"), 0.0);
+  EXPECT_LT(number(2, "rate"), 2e-3);
+  EXPECT_GT(number(3, "rate"), 0.1);
+  for (const json& one : found["runs"]) {
+    EXPECT_EQ(one["completed"], true);
+    EXPECT_EQ(one["curves"][0]["y"]["values"].size(), 25U);
+    EXPECT_EQ(one["pictures"][0]["position_m"].size(), 9U);
+    EXPECT_EQ(one["triangles"].size(), 8U);
+  }
+  for (std::size_t i = 1; i < progress_.size(); ++i)
+    EXPECT_GE(progress_[i].fraction, progress_[i - 1].fraction);
+  bool named = false;
+  for (const JobProgress& p : progress_)
+    named = named || p.detail == "2 mm/s: back, frame 24 of 24";
+  EXPECT_TRUE(named);
+
+  experiment["measures"][0] = {{"id", "x"}, {"kind", "rms_strain"}, {"strain", "bend_q"}};
+  const auto refused = run(spec(scene, "cotton"), "b");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message,
+            "scene: experiment.measures 'x': no term of the model has the strain 'bend_q'");
+}
+
 TEST_F(SceneJob, TheSameJobTwiceLeavesTheSameBytes) {
   for (const char* name : {"a", "b"}) ASSERT_TRUE(run(spec(shipped("hanging_square")), name));
   for (const char* file : {"result.json", "frames.h5"}) {

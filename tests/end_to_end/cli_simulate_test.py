@@ -84,8 +84,8 @@ class Scenes(CommandTest):
         self.assertEqual(drawn.tag, "{http://www.w3.org/2000/svg}svg")
         texts = ["".join(text.itertext()) for text in drawn.iter("{http://www.w3.org/2000/svg}text")]
         self.assertEqual(texts.count("2 mm/s"), 3)  # picture, table, key of the plot
-        painted = [p for p in drawn.iter("{http://www.w3.org/2000/svg}path") if p.get("fill", "").startswith("#")]
-        self.assertEqual(len(painted), 4 * 8)
+        painted = "".join(path.get("d") for path in drawn.iter("{http://www.w3.org/2000/svg}path") if path.get("color"))
+        self.assertEqual(painted.count("Z"), 4 * 8)
         self.assertIn("no 'experiment'", self.json("simulate", "--scene", "picture_frame", "--figure", "no.svg",
                                                    code=2)["error"]["message"])
 

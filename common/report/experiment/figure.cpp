@@ -7,6 +7,7 @@
 
 #include "common/report/experiment/found.h"
 #include "common/report/html_text.h"
+#include "common/report/svg_file.h"
 #include "common/report/text_report.h"
 
 namespace tenter::report {
@@ -15,20 +16,10 @@ namespace {
 
 constexpr double kCell = 280.0, kPictureHeight = 220.0, kLine = 18.0, kEdge = 16.0;
 constexpr std::size_t kMostAcross = 4;
-constexpr const char* kColours[] = {"#1f66ad", "#c07a2b", "#2b7a4b", "#b3261e",
-                                    "#7a4fa3", "#4a5562", "#0d8a8a", "#a0458a"};
-constexpr std::size_t kColourCount = sizeof kColours / sizeof kColours[0];
 
 std::string style() {
-  std::string css =
-      "text{font:12px system-ui,\"DejaVu Sans\",sans-serif;fill:#1c2127}"
-      ".tick{fill:#5d6672;font-size:11px}.title{font-size:17px;font-weight:600}"
-      ".run{font-weight:600}.soft{fill:#5d6672}.grid{stroke:#e2e3e0;fill:none}"
-      ".axis{stroke:#5d6672;fill:none}.line{fill:none;stroke-width:1.6;stroke-linejoin:round}"
-      ".cursor{fill:none}";
-  for (std::size_t i = 0; i < kColourCount; ++i)
-    css += ".r" + std::to_string(i) + " .line{stroke:" + kColours[i] + "}";
-  return "<style>" + css + "</style>\n";
+  return "<style>" + plot_style() +
+         ".title{font-size:17px;font-weight:600}.run{font-weight:600}.soft{fill:#5d6672}</style>\n";
 }
 
 std::string placed(const char* what, double x, double y, const std::string& inside) {
@@ -163,7 +154,7 @@ std::string plots(const Found& found, double& width, double& y) {
     for (std::size_t r = 0; r < found.runs.size(); ++r) {
       if (c >= found.runs[r].lines.size()) continue;
       const FoundLine& line = found.runs[r].lines[c];
-      const std::string css = "r" + std::to_string(r % kColourCount);
+      const std::string css = line_class(r);
       plot.series.push_back({found.runs[r].name, css, PlotSeries::Mark::line, line.x, line.y});
       char stroke[120];
       std::snprintf(stroke, sizeof stroke,
@@ -172,10 +163,9 @@ std::string plots(const Found& found, double& width, double& y) {
       keys += stroke + words_at(kEdge + 602.0, key_y, found.runs[r].name, "key");
       key_y += kLine;
     }
-    const std::string drawn = render_svg(plot);
+    const std::string drawn = placed_plot(plot, kEdge, y + kLine);
     if (drawn.empty()) continue;
-    svg += words_at(kEdge + 4.0, y + 13.0, first.words, "run") + keys;
-    svg += placed("svg", kEdge, y + kLine, drawn.substr(4));  // behind its "<svg"
+    svg += words_at(kEdge + 4.0, y + 13.0, first.words, "run") + keys + drawn;
     y = std::max(y + kLine + 350.0, key_y);
     width = std::max(width, 2.0 * kEdge + 780.0);
   }

@@ -51,7 +51,8 @@ struct Facet {
 std::string shaded(const Point3& normal) {
   // normal and light as seen: the third is towards the eye
   static const Point3 light = normalised({-0.45, 0.65, 0.8});
-  const double shade = 0.35 + 0.65 * std::abs(dot(normal, light));
+  constexpr double kShades = 48.0;
+  const double shade = std::round(kShades * (0.35 + 0.65 * std::abs(dot(normal, light)))) / kShades;
   const Colour& base = normal[2] >= 0.0 ? kFront : kBack;
   const auto level = [shade](double full) {
     return static_cast<unsigned>(std::clamp(std::lround(full * shade), 0L, 255L));
@@ -120,17 +121,26 @@ std::string painted_mesh(const std::vector<Point3>& points, const std::vector<Co
   const double scale = canvas.pixels_per_m.value_or(*fitting);
   const double x0 = 0.5 * canvas.width - 0.5 * scale * (extent->lo_x + extent->hi_x);
   const double y0 = 0.5 * canvas.height + 0.5 * scale * (extent->lo_y + extent->hi_y);
-  // a thin line in the facet's colour closes the seams between neighbours
-  std::string svg = "<g stroke-width=\"0.6\" stroke-linejoin=\"round\">";
+  // a thin line in the facet's colour closes the seams between neighbours; facets of one colour
+  // that follow each other are one path: they show the same side, so their ways around agree
+  std::string svg =
+      "<g fill=\"currentColor\" stroke=\"currentColor\" stroke-width=\"0.6\" "
+      "stroke-linejoin=\"round\">";
+  const std::string* colour = nullptr;
   for (const Facet& facet : facets) {
-    char path[160];
+    if (colour == nullptr || *colour != facet.colour) {
+      svg += (colour == nullptr ? "<path color=\"" : "\"/>\n<path color=\"") + facet.colour +
+             "\" d=\"";
+      colour = &facet.colour;
+    }
     const auto x = [&](std::size_t c) { return x0 + scale * facet.corners[c][0]; };
     const auto y = [&](std::size_t c) { return y0 - scale * facet.corners[c][1]; };
-    std::snprintf(path, sizeof path,
-                  "<path fill=\"%s\" stroke=\"%s\" d=\"M%.1f %.1fL%.1f %.1fL%.1f %.1fZ\"/>",
-                  facet.colour.c_str(), facet.colour.c_str(), x(0), y(0), x(1), y(1), x(2), y(2));
+    char path[96];
+    std::snprintf(path, sizeof path, "M%.1f %.1fL%.1f %.1f %.1f %.1fZ", x(0), y(0), x(1), y(1),
+                  x(2), y(2));
     svg += path;
   }
+  svg += "\"/>";
   return svg + "</g>\n";
 }
 

@@ -4,7 +4,7 @@
 //
 //   shade = 0.35 + 0.65 |n . l|      n: the triangle's normal, l: to the light (Lambert)
 //
-// Both sides are lit; the side that faces away from its normal has a warmer colour.
+// in 48 steps. Both sides are lit; the side that faces away from its normal has a warmer colour.
 //
 //   const View view{.eye = {0.3, -1, 0.4}};
 //   const Extent extent = seen_extent(points, view);

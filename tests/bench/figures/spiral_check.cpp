@@ -78,6 +78,20 @@ double rms(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
+/// What the hinges say: of the first term with bend_u, a third of its strain.
+double hinge_rms(const model::Model& model, const mechanics::SceneFrame& frame) {
+  for (const mechanics::TermStrains& strains : frame.strains) {
+    if (model.terms[static_cast<std::size_t>(strains.term)].strain.name != "bend_u") continue;
+    double sum = 0.0, all = 0.0;
+    for (std::size_t e = 0; e < strains.measure.size(); ++e) {
+      sum += strains.measure[e] * strains.strain[e] * strains.strain[e] / 9.0;
+      all += strains.measure[e];
+    }
+    return std::sqrt(sum / all);
+  }
+  return NAN;
+}
+
 /// Curvatures that the strain point has under the profile's torques.
 std::vector<double> balanced(const model::Model& model, double radius_m, const Profile& profile) {
   model::Model strain = model;
@@ -119,8 +133,8 @@ bool check_spirals(const scene::Scene& scene, const std::string& scene_text) {
   const auto model = model::preset(scene.model);
   const auto runs = resting_runs(scene_text);
   if (!model || !runs) return false;
-  std::printf("%s, unrolled with care, rms curvature (1/m)\n%-26s%10s%10s%10s%14s\n",
-              scene.model.c_str(), "", "mesh", "balance", "chain", "balance off");
+  std::printf("%s, unrolled with care, rms curvature (1/m)\n%-26s%10s%10s%10s%10s%14s\n",
+              scene.model.c_str(), "", "shape", "hinges", "balance", "chain", "balance off");
   for (const scene::Run& run : *runs) {
     model::Model used = *model;
     std::erase_if(used.terms, [&run](const model::Term& term) {
@@ -133,10 +147,13 @@ bool check_spirals(const scene::Scene& scene, const std::string& scene_text) {
       return false;
     }
     Profile profile;
-    const auto end = walk->walk(
-        {.on_frame =
-             [&](const mechanics::SceneFrame& frame) { profile = profile_of(*walk, frame); },
-         .go_on = {}});
+    double hinges = NAN;
+    const auto end = walk->walk({.on_frame =
+                                     [&](const mechanics::SceneFrame& frame) {
+                                       profile = profile_of(*walk, frame);
+                                       hinges = hinge_rms(used, frame);
+                                     },
+                                 .go_on = {}});
     if (!end || profile.arc_m.empty()) {
       std::printf("%s: %s\n", run.name.c_str(), end ? end->reason.c_str() : "failed");
       return false;
@@ -152,8 +169,9 @@ bool check_spirals(const scene::Scene& scene, const std::string& scene_text) {
     std::vector<double> off;
     for (std::size_t i = 0; i < balance.size(); ++i)
       off.push_back(balance[i] - profile.curvature[i]);
-    std::printf("%-26s%10.4g%10.4g%10.4g%12.3g %%\n", run.name.c_str(), rms(profile.curvature),
-                rms(balance), chain_rms(scene.model, run.without_laws.empty(), radius_m, kClamp_m),
+    std::printf("%-26s%10.4g%10.4g%10.4g%10.4g%12.3g %%\n", run.name.c_str(),
+                rms(profile.curvature), hinges, rms(balance),
+                chain_rms(scene.model, run.without_laws.empty(), radius_m, kClamp_m),
                 100.0 * rms(off) / rms(profile.curvature));
   }
   std::printf("\n");

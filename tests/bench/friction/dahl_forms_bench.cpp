@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Dahl's law in the forms of the thesis.
 //
-//   tenter-bench-dahl-forms [FILE.csv]
+//   tenter-bench-dahl-forms [FILE.csv | FILE.svg]
 //
 // First, what equation 5.3 leaves out: for the samples of tables 5.1 and 5.2, loops from rest to
 // 0.2, 0.4, ... 1 of the largest strain and back, 5.3 against the exact solution of 5.2.
@@ -12,13 +12,17 @@
 //   middle   constant sigma_max, constant tau
 //   right    linear sigma_max, constant slope alpha
 //
-// The file has a row a point: loop, strain, and the friction stress (N/m) of each.
+// A CSV file has a row a point: loop, strain, and the friction stress (N/m) of each; an SVG file is
+// figure 5.3, the three parameterisations beside each other over the loops.
 #include <Eigen/Dense>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <functional>
+#include <string>
 #include <vector>
 
+#include "common/report/svg_file.h"
 #include "server/mechanics/friction/dahl_forms.h"
 #include "server/mechanics/friction/dahl_work.h"
 #include "tests/twin/friction/friction_sample.h"
@@ -129,6 +133,44 @@ void print_left_out(const char* table, const std::vector<twin::FrictionSample>& 
   }
 }
 
+struct Row {
+  const char* words;
+  Form form;
+  Eigen::VectorXd p;
+  bool is_drawn;  ///< in figure 5.3
+  Eigen::VectorXd stress;
+};
+
+/// Of every parameterisation but 5.3, over what it was fitted to.
+bool draw(const std::string& path, const Walk& walk, const Eigen::VectorXd& wanted,
+          const std::vector<Row>& rows) {
+  std::vector<report::Plot> plots;
+  for (const Row& row : rows) {
+    if (!row.is_drawn) continue;
+    report::Plot plot;
+    plot.label = row.words;
+    plot.x_label = "strain (%)";
+    plot.y_label = "friction stress (N/m)";
+    plot.zero_line = true;
+    plot.width = 420;
+    const auto line = [&](const char* name, std::size_t colour, const Eigen::VectorXd& stress) {
+      report::PlotSeries series{
+          name, report::line_class(colour), report::PlotSeries::Mark::line, {}, {}};
+      for (std::size_t k = 0; k < walk.strain.size(); ++k) {
+        series.x.push_back(100.0 * walk.strain[k]);
+        series.y.push_back(stress[static_cast<Eigen::Index>(k)]);
+      }
+      plot.series.push_back(std::move(series));
+    };
+    line("loops", 5, wanted);
+    line("fitted", 1, row.stress);
+    plots.push_back(std::move(plot));
+  }
+  std::ofstream file(path);
+  file << report::svg_file(plots, 3);
+  return file.good();
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -150,17 +192,15 @@ int main(int count, char** arguments) {
   walk.go_to(0.0, 120, loop);
   const Eigen::VectorXd truth = (Eigen::VectorXd(3) << 0.6, 120.0, 0.0025).finished();
   const Eigen::VectorXd wanted = follow(walk, linear_tau, truth);
-  struct Row {
-    const char* words;
-    Form form;
-    Eigen::VectorXd p;
-    Eigen::VectorXd stress;
-  };
   std::vector<Row> rows = {
-      {"linear sigma_max, constant tau", linear_tau, truth, {}},
-      {"the same by 5.3", approximate, truth, {}},
-      {"constant sigma_max, constant tau", constant_tau, Eigen::Vector2d(2.0, 0.003), {}},
-      {"linear sigma_max, constant alpha", linear_slope, Eigen::Vector3d(0.6, 120.0, 600.0), {}}};
+      {"linear sigma_max, constant tau", linear_tau, truth, true, {}},
+      {"the same by 5.3", approximate, truth, false, {}},
+      {"constant sigma_max, constant tau", constant_tau, Eigen::Vector2d(2.0, 0.003), true, {}},
+      {"linear sigma_max, constant alpha",
+       linear_slope,
+       Eigen::Vector3d(0.6, 120.0, 600.0),
+       true,
+       {}}};
   const double rms = std::sqrt(wanted.squaredNorm() / static_cast<double>(wanted.size()));
   std::printf("\nFigure 5.3: loops about offsets from 0 to 3 %%, friction stress rms %.3f N/m\n",
               rms);
@@ -174,6 +214,8 @@ int main(int count, char** arguments) {
     std::printf("\n");
   }
   if (count < 2) return 0;
+  if (std::string(arguments[1]).ends_with(".svg"))
+    return draw(arguments[1], walk, wanted, rows) ? 0 : 1;
   std::FILE* file = std::fopen(arguments[1], "w");
   if (!file) {
     std::fprintf(stderr, "tenter-bench-dahl-forms: cannot write %s\n", arguments[1]);

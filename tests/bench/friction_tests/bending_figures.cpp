@@ -6,7 +6,7 @@
 #include <fstream>
 #include <vector>
 
-#include "common/report/svg_plot.h"
+#include "common/report/svg_file.h"
 #include "server/estimation/friction_tests/strain_point.h"
 
 namespace tenter::bench {
@@ -16,18 +16,10 @@ using report::Plot;
 using report::PlotSeries;
 
 bool write(const std::string& path, const Plot& plot) {
-  std::string svg = report::render_svg(plot);
-  // pages bring their own style sheet; a file of its own has none
-  const std::size_t end = svg.find('>');
-  if (svg.empty() || end == std::string::npos) return false;
-  svg.insert(end + 1,
-             "<style>text{font:11px sans-serif;fill:#333}path,line,polyline{stroke:#456;fill:none}"
-             "circle{fill:#258}</style>");
-  if (svg.find("xmlns=") == std::string::npos)
-    svg.insert(svg.find("<svg") + 4, " xmlns=\"http://www.w3.org/2000/svg\"");
+  const std::string svg = report::svg_file({plot}, 1);
   std::ofstream file(path);
-  file << svg << '\n';
-  return file.good();
+  file << svg;
+  return !svg.empty() && file.good();
 }
 
 PlotSeries series(const char* css, PlotSeries::Mark mark) {

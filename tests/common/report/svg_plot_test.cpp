@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/report/svg_file.h"
+
 namespace tenter::report {
 namespace {
 
@@ -58,6 +60,30 @@ TEST(SvgPlot, ALineKeepsItsEndsAndBreaksAtMissingValues) {
 TEST(SvgPlot, ListsOfUnequalLengthUseTheShorter) {
   EXPECT_NE(render_svg(with({0.0, 1.0, 2.0}, {0.0, 1.0}, PlotSeries::Mark::dots)), "");
   EXPECT_NE(render_svg(with({5.0}, {5.0}, PlotSeries::Mark::open_dots)), "");
+}
+
+TEST(SvgFile, PlotsStandBesideEachOtherWithTheirKeys) {
+  Plot left = with({0.0, 1.0}, {0.0, 1.0}, PlotSeries::Mark::line);
+  left.label = "left & best";
+  left.series[0].name = "fitted";
+  Plot right = left;
+  right.label = "right";
+  const Plot nothing;
+  const std::string svg = svg_file({left, nothing, right}, 2);
+  const auto places = [&svg](const std::string& part) {
+    std::size_t n = 0;
+    for (std::size_t at = svg.find(part); at != std::string::npos; at = svg.find(part, at + 1)) ++n;
+    return n;
+  };
+  EXPECT_EQ(svg.rfind("<svg xmlns=", 0), 0U);
+  EXPECT_EQ(places("<svg"), 3U);
+  EXPECT_EQ(places("</svg>"), 3U);
+  EXPECT_EQ(places("<svg x=\"0.0\" y=\"24.0\" class=\"plot\""), 1U);
+  EXPECT_EQ(places("<svg x=\"560.0\" y=\"24.0\" class=\"plot\""), 1U);
+  EXPECT_EQ(places("class=\"title\">left &amp; best<"), 1U);
+  EXPECT_EQ(places("class=\"key\">fitted<"), 2U);
+  EXPECT_NE(svg.find("width=\"1120\""), std::string::npos);
+  EXPECT_EQ(svg_file({nothing}, 1), "");
 }
 
 }  // namespace

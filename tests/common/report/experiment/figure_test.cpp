@@ -13,25 +13,29 @@
 namespace tenter::report {
 namespace {
 
-struct Path {
-  std::string fill;
+struct Facet {
+  std::string colour;
   double x[3], y[3];
 };
 
-std::vector<Path> paths_of(const std::string& svg) {
-  static const std::regex path(
-      "<path fill=\"(#[0-9a-f]{6})\" stroke=\"#[0-9a-f]{6}\" "
-      "d=\"M([-0-9.]+) ([-0-9.]+)L([-0-9.]+) ([-0-9.]+)L([-0-9.]+) ([-0-9.]+)Z\"/>");
-  std::vector<Path> paths;
-  for (std::sregex_iterator it(svg.begin(), svg.end(), path), end; it != end; ++it) {
-    Path p{(*it)[1], {}, {}};
-    for (std::size_t c = 0; c < 3; ++c) {
-      p.x[c] = std::stod((*it)[2 + 2 * c]);
-      p.y[c] = std::stod((*it)[3 + 2 * c]);
+/// The triangles of all paths, in the order in which they are painted.
+std::vector<Facet> facets_of(const std::string& svg) {
+  static const std::regex path("<path color=\"(#[0-9a-f]{6})\" d=\"([^\"]*)\"/>");
+  static const std::regex triangle(
+      "M([-0-9.]+) ([-0-9.]+)L([-0-9.]+) ([-0-9.]+) ([-0-9.]+) ([-0-9.]+)Z");
+  std::vector<Facet> facets;
+  for (std::sregex_iterator p(svg.begin(), svg.end(), path), end; p != end; ++p) {
+    const std::string d = (*p)[2];
+    for (std::sregex_iterator t(d.begin(), d.end(), triangle); t != end; ++t) {
+      Facet facet{(*p)[1], {}, {}};
+      for (std::size_t c = 0; c < 3; ++c) {
+        facet.x[c] = std::stod((*t)[1 + 2 * c]);
+        facet.y[c] = std::stod((*t)[2 + 2 * c]);
+      }
+      facets.push_back(facet);
     }
-    paths.push_back(p);
   }
-  return paths;
+  return facets;
 }
 
 constexpr View kFromFront{{0.0, -1.0, 0.0}, {0.0, 0.0, 1.0}};
@@ -44,17 +48,17 @@ TEST(MeshPainter, PaintsFromBackToFrontInsideTheCanvas) {
       points.push_back(p);
   const std::vector<Corners> triangles = {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
   const Canvas canvas{200.0, 100.0, 10.0, std::nullopt};
-  const auto paths = paths_of(painted_mesh(points, triangles, kFromFront, canvas));
-  ASSERT_EQ(paths.size(), 3U);
+  const auto facets = facets_of(painted_mesh(points, triangles, kFromFront, canvas));
+  ASSERT_EQ(facets.size(), 3U);
   const double scale = 180.0 / 4.0;  // the widest is 4 m
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_NEAR(paths[i].x[1] - paths[i].x[0], scale * (4.0 - static_cast<double>(i)), 0.11);
-    EXPECT_NEAR(paths[i].y[0] - paths[i].y[2], scale, 0.11);  // z is up
+    EXPECT_NEAR(facets[i].x[1] - facets[i].x[0], scale * (4.0 - static_cast<double>(i)), 0.11);
+    EXPECT_NEAR(facets[i].y[0] - facets[i].y[2], scale, 0.11);  // z is up
     for (std::size_t c = 0; c < 3; ++c) {
-      EXPECT_GE(paths[i].x[c], 9.9);
-      EXPECT_LE(paths[i].x[c], 190.1);
-      EXPECT_GE(paths[i].y[c], 9.9);
-      EXPECT_LE(paths[i].y[c], 90.1);
+      EXPECT_GE(facets[i].x[c], 9.9);
+      EXPECT_LE(facets[i].x[c], 190.1);
+      EXPECT_GE(facets[i].y[c], 9.9);
+      EXPECT_LE(facets[i].y[c], 90.1);
     }
   }
 }
@@ -62,20 +66,20 @@ TEST(MeshPainter, PaintsFromBackToFrontInsideTheCanvas) {
 TEST(MeshPainter, ShadesByAngleAndTellsTheSides) {
   const std::vector<Point3> points = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0, 0, 0.2}};
   const auto fill = [&](const Corners& triangle, const View& view) {
-    const auto paths = paths_of(painted_mesh(points, {triangle}, view, {}));
-    EXPECT_EQ(paths.size(), 1U);
-    return paths.empty() ? std::string() : paths[0].fill;
+    const auto facets = facets_of(painted_mesh(points, {triangle}, view, {}));
+    EXPECT_EQ(facets.size(), 1U);
+    return facets.empty() ? std::string() : facets[0].colour;
   };
   const std::string facing = fill({0, 1, 2}, kFromFront);
   EXPECT_NE(facing, fill({0, 2, 1}, kFromFront));  // the other side
-  EXPECT_NE(facing, fill({0, 1, 3}, {{0.0, -1.0, 0.2}, {0.0, 0.0, 1.0}}));
+  EXPECT_NE(facing, fill({0, 1, 3}, {{0.9, -1.0, 1.0}, {0.0, 0.0, 1.0}}));
   EXPECT_EQ(facing, fill({0, 1, 4}, kFromFront));  // coplanar
 }
 
 TEST(MeshPainter, LeavesOutWhatIsNotThere) {
   const std::vector<Point3> points = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {NAN, 0, 0}};
   EXPECT_EQ(
-      paths_of(painted_mesh(points, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {-1, 1, 2}}, kFromFront, {}))
+      facets_of(painted_mesh(points, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {-1, 1, 2}}, kFromFront, {}))
           .size(),
       1U);
   EXPECT_EQ(painted_mesh({}, {{0, 1, 2}}, kFromFront, {}), "");
@@ -123,10 +127,10 @@ TEST(ExperimentFigure, ShowsPicturesNumbersAndLinesOfEveryRun) {
   const auto svg = experiment_svg(result().dump());
   ASSERT_TRUE(svg) << svg.error().message;
   EXPECT_EQ(*svg, *experiment_svg(result().dump()));
-  const auto paths = paths_of(*svg);
-  ASSERT_EQ(paths.size(), 2U);
+  const auto facets = facets_of(*svg);
+  ASSERT_EQ(facets.size(), 2U);
   // to one scale: the second is half as large
-  EXPECT_NEAR(paths[0].x[1] - paths[0].x[0], 2.0 * (paths[1].x[1] - paths[1].x[0]), 0.2);
+  EXPECT_NEAR(facets[0].x[1] - facets[0].x[0], 2.0 * (facets[1].x[1] - facets[1].x[0]), 0.2);
   for (const char* words : {">123.4<", ">5<", ">2<", "work (\u00b5J)", "rms curvature (1/m)",
                             "a &amp; b with felt", "with &lt;friction&gt;", "along (mm)"})
     EXPECT_NE(svg->find(words), std::string::npos) << words;
@@ -154,7 +158,7 @@ TEST(ExperimentFigure, TakesOddDocumentsAsNothing) {
   odd["experiment"]["runs"][1]["reason"] = "a step failed";
   const auto svg = experiment_svg(odd.dump());
   ASSERT_TRUE(svg);
-  EXPECT_TRUE(paths_of(*svg).empty());
+  EXPECT_TRUE(facets_of(*svg).empty());
   EXPECT_NE(svg->find("the run ended before"), std::string::npos);
   EXPECT_NE(svg->find("ended early: a step failed"), std::string::npos);
 }

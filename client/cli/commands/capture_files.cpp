@@ -15,6 +15,7 @@
 #include "common/capture/csv/csv_export.h"
 #include "common/capture/csv/csv_import.h"
 #include "common/capture/file/capture_file.h"
+#include "common/capture/run_selection.h"
 #include "common/capture/sheet/sheet_export.h"
 #include "common/capture/sheet_import/sheet_description.h"
 #include "common/capture/sheet_import/sheet_import.h"
@@ -28,6 +29,7 @@ struct Import {
   std::string csv;  ///< or a description that names its tables
   std::string describe;
   std::string output;
+  std::vector<int> runs;  ///< empty: all
   bool force = false;
 };
 
@@ -87,7 +89,11 @@ Expected<capture::Capture> read_source(const Import& order) {
 /// Imports into a file beside the output first, so that what is there stays if anything is wrong.
 Expected<void> import_capture(const Context& context, const Import& order) {
   namespace fs = std::filesystem;
-  const Expected<capture::Capture> capture = read_source(order);
+  Expected<capture::Capture> capture = read_source(order);
+  if (capture && !order.runs.empty()) {
+    capture = capture::with_runs(std::move(*capture), order.runs);
+    if (!capture) return bad_input("--runs: " + capture.error().message);
+  }
   if (!capture) return tl::unexpected(capture.error());
   const fs::path output =
       order.output.empty() ? fs::path(order.csv).replace_extension(".h5") : fs::path(order.output);
@@ -261,7 +267,8 @@ void add_import(CLI::App& group, Context& context) {
       "EXAMPLES\n"
       "    tenter capture import pull.csv --describe pull.json\n"
       "    tenter capture import pull.csv --describe pull.json -o captures/pull.h5\n"
-      "    tenter capture import sheet.json\n");
+      "    tenter capture import sheet.json\n"
+      "    tenter capture import pulls.csv --describe pull.json --runs 5 -o held_out.h5\n");
   auto order = std::make_shared<Import>();
   command
       ->add_option("FILE", order->csv,
@@ -273,6 +280,11 @@ void add_import(CLI::App& group, Context& context) {
       ->add_option("-o,--output", order->output,
                    "The capture file to write. Default: FILE with .h5 in place of its extension.")
       ->type_name("FILE");
+  command
+      ->add_option("--runs", order->runs,
+                   "Keep only these runs of the source, so that others can be held out: 2,3,4.")
+      ->type_name("N,...")
+      ->delimiter(',');
   command->add_flag("--force", order->force, "Replace an output file that holds something else.");
   command->callback([&context, order] {
     context.command = [&context, order] { return import_capture(context, *order); };

@@ -129,6 +129,12 @@ void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft) {
       ->type_name("N")
       ->check(CLI::NonNegativeNumber);
   command
+      .add_option("--frames", draft.frames,
+                  "Sheets: compare at most so many frames of a capture, spread evenly. Default: "
+                  "all.")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber);
+  command
       .add_option("--max-control-points", draft.max_control_points,
                   "Sheets: of a stiffness curve. Default: 5.")
       ->type_name("N")
@@ -182,6 +188,7 @@ Expected<void> complete_options(const SheetFitDraft& draft, const std::vector<st
   if (draft.resolution >= 0) options["resolution"] = draft.resolution;
   if (!draft.grid.empty()) options["grid"] = draft.grid;
   if (draft.points >= 0) options["points"] = draft.points;
+  if (draft.frames >= 0) options["frames"] = draft.frames;
   if (draft.max_control_points >= 0) options["max_control_points"] = draft.max_control_points;
   if (!draft.start.empty()) options["start"] = draft.start;
   if (!draft.channels.empty()) options["channels"] = draft.channels;

@@ -26,6 +26,7 @@ struct SheetFitDraft {
   int resolution = -1;
   std::string grid;
   int points = -1;
+  int frames = -1;
   int max_control_points = -1;
   std::string start;
   std::string channels;

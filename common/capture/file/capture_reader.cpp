@@ -197,7 +197,7 @@ Expected<Capture> read_capture(const std::string& path, std::vector<std::string>
                                  "runs",  "kinematics", "stresses", "provenance"};
   if (has_sheet) {
     if (in.ok()) capture.sheet = read_sheet(in, capture.frame_count(), &unknown);
-    known.insert({"meshes", "clips", "cords", "supports", "gravity"});
+    known.insert({"meshes", "clips", "cords", "supports", "slack", "gravity"});
   }
   list_ignored(in, "/", {"entry"}, &unknown);
   list_ignored(in, kEntry, known, &unknown);

@@ -24,6 +24,7 @@ inline const std::string kMeshes = "/entry/meshes";
 inline const std::string kClips = "/entry/clips";
 inline const std::string kCords = "/entry/cords";
 inline const std::string kSupports = "/entry/supports";
+inline const std::string kSlack = "/entry/slack";
 inline const std::string kGravity = "/entry/gravity";
 
 /// Kept free for kinds of capture that this version does not read; files may hold them.

@@ -17,6 +17,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -68,6 +69,13 @@ struct SupportTrack {
   std::vector<RigidPose> pose;
 };
 
+/// Frames in which two clips are closer to each other than this are slack: the sheet sags and curls
+/// between them, another way each time, so that no equilibrium is worth comparing with it.
+struct SlackRule {
+  std::array<std::string, 2> clips;
+  double closer_than_m = 0.0;  ///< between the positions of their poses
+};
+
 struct Sheet {
   std::string name = "sheet";
   std::vector<Vec2> material_m;               ///< (u, v) of each vertex
@@ -86,6 +94,7 @@ struct Sheet {
   std::vector<ClipTrack> clips;
   std::vector<CordTrack> cords;
   std::vector<SupportTrack> supports;
+  std::optional<SlackRule> slack;
   Vec3 gravity_m_s2 = {0.0, 0.0, -9.81};  ///< zero: its weight does not count
 
   std::size_t vertex_count() const { return material_m.size(); }
@@ -96,6 +105,15 @@ struct Sheet {
     for (const ClipTrack& clip : clips)
       if (clip.id == id) return &clip;
     return nullptr;
+  }
+  /// Between the positions of the poses of two clips that are there.
+  double distance_m(const std::array<std::string, 2>& ids, std::size_t frame) const {
+    const Vec3& a = find_clip(ids[0])->pose[frame].position_m;
+    const Vec3& b = find_clip(ids[1])->pose[frame].position_m;
+    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+  }
+  bool is_slack(std::size_t frame) const {
+    return slack && distance_m(slack->clips, frame) < slack->closer_than_m;
   }
 };
 

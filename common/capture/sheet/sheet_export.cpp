@@ -210,6 +210,9 @@ std::string description_of(const Capture& capture, const std::string& stem) {
   root["supports"] = ordered_json::array();
   for (const SupportTrack& support : sheet.supports)
     root["supports"].push_back(describe_support(support, stem));
+  if (sheet.slack)
+    root["rest"] = {{"clips", sheet.slack->clips},
+                    {"slack_below", {{"value", sheet.slack->closer_than_m}, {"unit", "m"}}}};
   root["gravity_m_s2"] = sheet.gravity_m_s2;
   return root.dump(2) + "\n";
 }

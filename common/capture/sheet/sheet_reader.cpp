@@ -167,6 +167,18 @@ SupportTrack read_support(Source& in, const std::string& id, std::size_t frames,
   return support;
 }
 
+SlackRule read_slack(Source& in, std::vector<std::string>* ignored) {
+  SlackRule slack;
+  const std::vector<std::string> clips = in.texts(kSlack + "/clips");
+  if (in.ok() && clips.size() != slack.clips.size())
+    in.complain(kSlack + "/clips", "must name two clips");
+  if (in.ok()) slack.clips = {clips[0], clips[1]};
+  in.check_unit(kSlack + "/closer_than", "m");
+  slack.closer_than_m = in.number(kSlack + "/closer_than");
+  list_ignored(in, kSlack, {"clips", "closer_than"}, ignored);
+  return slack;
+}
+
 }  // namespace
 
 Sheet read_sheet(Source& in, std::size_t frames, std::vector<std::string>* ignored) {
@@ -188,6 +200,7 @@ Sheet read_sheet(Source& in, std::size_t frames, std::vector<std::string>* ignor
     if (!in.ok()) return sheet;
     sheet.supports.push_back(read_support(in, id, frames, ignored));
   }
+  if (in.ok() && in.has(kSlack)) sheet.slack = read_slack(in, ignored);
   sheet.gravity_m_s2 = vector_of<3>(in, kGravity, "m/s^2");
   return sheet;
 }

@@ -74,6 +74,15 @@ std::string held_material(const ClipTrack& clip) {
                                : "a region of " + std::to_string(clip.region_m.size()) + " corners";
 }
 
+/// Frames that the sheet's rule calls slack.
+std::size_t slack_frames(const Sheet& sheet) {
+  std::size_t count = 0;
+  for (std::size_t f = 0; sheet.slack && f < sheet.find_clip(sheet.slack->clips[0])->pose.size();
+       ++f)
+    count += static_cast<std::size_t>(sheet.is_slack(f));
+  return count;
+}
+
 std::string mm(double metres) {
   return number(metres * 1e3);
 }
@@ -115,6 +124,10 @@ std::string sheet_text(const Sheet& sheet) {
            (support.bears_above ? "above " : "below ") + support.along + " = " + mm(*low) + " .. " +
            mm(*high) + " mm\n";
   }
+  if (sheet.slack)
+    out += padded("slack", 12) + "where " + sheet.slack->clips[0] + " and " +
+           sheet.slack->clips[1] + " are closer than " + mm(sheet.slack->closer_than_m) +
+           " mm: " + std::to_string(slack_frames(sheet)) + " frames\n";
   out += padded("gravity", 12) + number(sheet.gravity_m_s2[0]) + ", " +
          number(sheet.gravity_m_s2[1]) + ", " + number(sheet.gravity_m_s2[2]) + " m/s2\n";
   return out;
@@ -159,6 +172,10 @@ ordered_json sheet_json(const Sheet& sheet) {
                                {"bears", support.bears_above ? "above" : "below"},
                                {"edge_m", {*low, *high}}});
   }
+  if (sheet.slack)
+    out["slack"] = {{"clips", sheet.slack->clips},
+                    {"closer_than_m", sheet.slack->closer_than_m},
+                    {"frames", slack_frames(sheet)}};
   out["gravity_m_s2"] = sheet.gravity_m_s2;
   return out;
 }

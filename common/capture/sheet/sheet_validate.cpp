@@ -214,6 +214,19 @@ Expected<void> check_supports(const Capture& capture, const Sheet& sheet) {
   return {};
 }
 
+Expected<void> check_slack(const Sheet& sheet) {
+  if (!sheet.slack) return {};
+  const auto& [clips, closer_than_m] = *sheet.slack;
+  for (const std::string& id : clips)
+    if (!sheet.find_clip(id))
+      return bad_input("slack frames are told by clip " + quoted(id) + ", which is not there");
+  if (clips[0] == clips[1])
+    return bad_input("slack frames are told by clip " + quoted(clips[0]) + " and itself");
+  if (!(closer_than_m > 0.0) || !std::isfinite(closer_than_m))
+    return bad_input("slack frames are told by a distance that is not above zero");
+  return {};
+}
+
 }  // namespace
 
 Expected<void> validate_sheet(const Capture& capture) {
@@ -224,6 +237,7 @@ Expected<void> validate_sheet(const Capture& capture) {
   if (auto ok = check_clips(capture, sheet); !ok) return ok;
   if (auto ok = check_cords(capture, sheet); !ok) return ok;
   if (auto ok = check_supports(capture, sheet); !ok) return ok;
+  if (auto ok = check_slack(sheet); !ok) return ok;
   if (!is_finite(sheet.gravity_m_s2)) return bad_input("gravity is not a number");
   return {};
 }

@@ -114,6 +114,11 @@ void write_sheet(H5Writer& file, const Sheet& sheet, std::size_t frames) {
   for (std::size_t i = 0; i < sheet.cords.size(); ++i) write_cord(file, sheet.cords[i], i);
   file.group(kSupports, "NXcollection");
   for (std::size_t i = 0; i < sheet.supports.size(); ++i) write_support(file, sheet.supports[i], i);
+  if (sheet.slack) {
+    file.group(kSlack, "NXcollection");
+    file.array(kSlack + "/clips", {sheet.slack->clips[0], sheet.slack->clips[1]});
+    file.number(kSlack + "/closer_than", sheet.slack->closer_than_m, "m");
+  }
   file.array(kGravity, flat(sheet.gravity_m_s2), "m/s^2");
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/capture/csv/description_parts.h"
+#include "common/capture/sheet_import/sheet_rest.h"
 #include "common/capture/strict_json.h"
 
 namespace tenter::capture {
@@ -273,16 +274,20 @@ void read_positions(JsonObject object, SheetDescription& out) {
   const UnitConversion& to_m = out.positions.to_si;
   out.head.may_be_missing = out.positions.may_be_missing;
   out.head.sigma_m = to_m.apply_to_difference(object.maybe_number("sigma").value_or(0.0));
-  out.material_from_first_frame = object.text_or("material", "") == "first_frame";
+  const std::string material = object.text_or("material", "");
+  out.material_from_first_frame = material == "first_frame";
+  out.material_from_rest = material == "rest";
+  if (!material.empty() && !out.is_material_seen())
+    object.defect().note(object.path_of("material"), "must be \"first_frame\" or \"rest\"");
   for (JsonObject& item : object.objects("points")) {
     PointSpec point;
     point.name = item.text("name");
-    if (const auto material = maybe_list<2>(item, "material"))
-      point.material_m = in_si(*material, to_m);
-    if (point.material_m.has_value() == out.material_from_first_frame)
-      item.defect().note(item.path_of("material"), out.material_from_first_frame
-                                                       ? "contradicts \"material\": \"first_frame\""
-                                                       : "is missing");
+    if (const auto place = maybe_list<2>(item, "material"))
+      point.material_m = in_si(*place, to_m);
+    if (point.material_m.has_value() == out.is_material_seen())
+      item.defect().note(
+          item.path_of("material"),
+          out.is_material_seen() ? "contradicts \"material\": \"" + material + "\"" : "is missing");
     read_uses(item.object("columns"), kCoordinates, point.columns);
     item.finish();
     out.points.push_back(std::move(point));
@@ -359,15 +364,17 @@ void read_root(JsonObject& root, SheetDescription& out) {
   else
     root.defect().note("gravity_m_s2",
                        "is missing: three numbers, all 0 where the weight does not count");
-  const int materials = (out.mesh ? 1 : 0) + (out.positions.has("u") ? 1 : 0) +
-                        (out.material_from_first_frame ? 1 : 0);
-  if (materials + (out.points.empty() ? 0 : 1) > 1 &&
-      !(out.material_from_first_frame && !out.points.empty() && materials == 1))
+  const int materials =
+      (out.mesh ? 1 : 0) + (out.positions.has("u") ? 1 : 0) + (out.is_material_seen() ? 1 : 0);
+  if (materials > 1 || (materials == 1 && !out.points.empty() && !out.is_material_seen()))
     root.defect().note("positions", "have their places in the material from two sources");
   if (materials == 0 && out.points.empty())
     root.defect().note("positions",
-                       "have no places in the material: a mesh, columns u and v, or \"material\": "
-                       "\"first_frame\" must give them");
+                       "have no places in the material: a mesh, columns u and v, or \"material\" "
+                       "must give them");
+  if (std::optional<JsonObject> rest = root.maybe_object("rest")) out.rest = read_rest(*rest);
+  if (out.material_from_rest && (!out.rest || out.rest->read_at_m == 0.0))
+    root.defect().note("rest.read_at", "is missing: it says where places in the material are read");
   root.finish();
 }
 

@@ -4,6 +4,7 @@
 // here.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -81,6 +82,14 @@ struct SupportSpec {
   PoseSpec pose;
 };
 
+/// What two clips that pull the sheet taut say of its rest.
+struct RestSpec {
+  std::array<std::string, 2> clips;
+  double slack_below_m = 0.0;  ///< 0: no frame is slack
+  double read_at_m = 0.0;      ///< distance at which places in the material are read; 0: not there
+  std::vector<int> runs;       ///< whose mean they are; empty: all
+};
+
 struct SheetDescription {
   Description frames;             ///< with everything that is not the sheet in its head
   std::string frames_file;        ///< as TableSpec::file
@@ -89,6 +98,9 @@ struct SheetDescription {
   TableSpec positions;
   std::vector<PointSpec> points;
   bool material_from_first_frame = false;
+  bool material_from_rest = false;  ///< read where `rest` says
+  bool is_material_seen() const { return material_from_first_frame || material_from_rest; }
+  std::optional<RestSpec> rest;
   Sheet head;  ///< name, sigma, gravity
   std::vector<ClipSpec> clips;
   std::vector<CordSpec> cords;

@@ -9,9 +9,9 @@
 
 #include "common/base/not_a_number.h"
 #include "common/base/text_file.h"
-#include "common/capture/csv/branch_detection.h"
 #include "common/capture/csv/csv_import_table.h"
 #include "common/capture/sheet_import/sheet_description.h"
+#include "common/capture/sheet_import/sheet_rest.h"
 #include "common/capture/sheet_import/sheet_tables.h"
 #include "common/capture/sheet_import/sheet_tracks.h"
 #include "common/capture/validate.h"
@@ -38,7 +38,8 @@ class SheetImport {
     if (auto ok = read_positions(); !ok) return tl::unexpected(ok.error());
     SheetTracks tracks(description_, folder_, frames_, capture_);
     if (auto ok = tracks.read(vertex_of_); !ok) return tl::unexpected(ok.error());
-    if (!has_branches_) detect_branches_of_runs();
+    if (auto ok = read_rest_state(); !ok) return tl::unexpected(ok.error());
+    if (!has_branches_) detect_branches_of_runs(capture_);
     if (auto ok = name_origin(); !ok) return tl::unexpected(ok.error());
     return std::move(capture_);
   }
@@ -211,6 +212,17 @@ class SheetImport {
     return {};
   }
 
+  Expected<void> read_rest_state() {
+    if (!description_.rest) return {};
+    const RestSpec& rest = *description_.rest;
+    if (rest.slack_below_m > 0.0) sheet().slack = SlackRule{rest.clips, rest.slack_below_m};
+    if (!description_.material_from_rest) return {};
+    auto places = places_at_rest(capture_, rest);
+    if (!places) return bad_input(folder_.json() + ": " + places.error().message + ".");
+    sheet().material_m = std::move(*places);
+    return {};
+  }
+
   /// Plain numbers from 0 are no names, unless a table of vertices gives them as such.
   bool are_vertices_named() const {
     if (description_.mesh)
@@ -334,38 +346,6 @@ class SheetImport {
     provenance.imported_from = std::filesystem::path((*open)->name).filename().string();
     provenance.imported_sha256 = (*open)->sha256;
     return {};
-  }
-
-  // ---- branches
-
-  /// By how far the clip that travels most is from where it starts the run.
-  void detect_branches_of_runs() {
-    capture_.branch.clear();
-    for (std::size_t begin = 0; begin < capture_.frame_count();) {
-      std::size_t end = begin + 1;
-      while (end < capture_.frame_count() && capture_.run[end] == capture_.run[begin]) ++end;
-      std::vector<double> driving;
-      for (const ClipTrack& clip : sheet().clips) {
-        std::vector<double> travel;
-        for (std::size_t f = begin; f < end; ++f) {
-          const Vec3& from = clip.pose[begin].position_m;
-          const Vec3& to = clip.pose[f].position_m;
-          travel.push_back(std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]));
-        }
-        if (driving.empty() || *std::max_element(travel.begin(), travel.end()) >
-                                   *std::max_element(driving.begin(), driving.end()))
-          driving = travel;
-      }
-      std::vector<double> time;
-      if (!capture_.time_s.empty())
-        time.assign(capture_.time_s.begin() + static_cast<std::ptrdiff_t>(begin),
-                    capture_.time_s.begin() + static_cast<std::ptrdiff_t>(end));
-      const std::vector<Branch> branch = driving.empty()
-                                             ? std::vector<Branch>(end - begin, Branch::other)
-                                             : detect_branches(driving, time);
-      capture_.branch.insert(capture_.branch.end(), branch.begin(), branch.end());
-      begin = end;
-    }
   }
 
   const SheetDescription& description_;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/base/not_a_number.h"
+#include "common/capture/csv/branch_detection.h"
 
 namespace tenter::capture {
 
@@ -206,6 +207,35 @@ Expected<void> SheetTracks::read_edge(const SupportSpec& spec, SupportTrack& sup
     support.edge_m[**frame] = *edge;
   }
   return all_seen(*table, "the edge of support \"" + support.id + "\"", seen);
+}
+
+void detect_branches_of_runs(Capture& capture) {
+  capture.branch.clear();
+  for (std::size_t begin = 0; begin < capture.frame_count();) {
+    std::size_t end = begin + 1;
+    while (end < capture.frame_count() && capture.run[end] == capture.run[begin]) ++end;
+    std::vector<double> driving;
+    for (const ClipTrack& clip : capture.sheet->clips) {
+      std::vector<double> travel;
+      for (std::size_t f = begin; f < end; ++f) {
+        const Vec3& from = clip.pose[begin].position_m;
+        const Vec3& to = clip.pose[f].position_m;
+        travel.push_back(std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]));
+      }
+      if (driving.empty() || *std::max_element(travel.begin(), travel.end()) >
+                                 *std::max_element(driving.begin(), driving.end()))
+        driving = travel;
+    }
+    std::vector<double> time;
+    if (!capture.time_s.empty())
+      time.assign(capture.time_s.begin() + static_cast<std::ptrdiff_t>(begin),
+                  capture.time_s.begin() + static_cast<std::ptrdiff_t>(end));
+    const std::vector<Branch> branch = driving.empty()
+                                           ? std::vector<Branch>(end - begin, Branch::other)
+                                           : detect_branches(driving, time);
+    capture.branch.insert(capture.branch.end(), branch.begin(), branch.end());
+    begin = end;
+  }
 }
 
 }  // namespace tenter::capture

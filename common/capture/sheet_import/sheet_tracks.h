@@ -37,4 +37,7 @@ class SheetTracks {
   Capture& capture_;
 };
 
+/// By how far the clip that travels most is from where it starts the run.
+void detect_branches_of_runs(Capture& capture);
+
 }  // namespace tenter::capture

@@ -49,7 +49,8 @@ class Making {
   Sequence& sequence() { return out_.sequence; }
   const mechanics::SurfaceMesh& mesh() const { return out_.sequence.cloth.mesh; }
 
-  /// Those asked for, without frames in which the load of a free clip is not known.
+  /// Those asked for, without frames that are slack or in which the load of a free clip is not
+  /// known, thinned.
   Expected<void> choose_frames() {
     std::vector<std::size_t> asked = options_.frames;
     if (asked.empty()) {
@@ -64,11 +65,29 @@ class Making {
           std::none_of(sheet_.cords.begin(), sheet_.cords.end(), [&](const CordTrack& cord) {
             return std::isnan(cord.tension_N[f]) && sheet_.find_clip(cord.clip)->is_free;
           });
-      (is_usable ? out_.frame : out_.use.dropped_frames).push_back(f);
+      (sheet_.is_slack(f) ? out_.use.slack_frames
+       : is_usable        ? out_.frame
+                          : out_.use.dropped_frames)
+          .push_back(f);
     }
+    thin_frames();
     out_.use.frames = static_cast<int>(out_.frame.size());
-    if (out_.frame.empty()) return bad_input("no frame is left");
+    if (out_.frame.empty())
+      return bad_input(out_.use.slack_frames.empty() ? "no frame is left"
+                                                     : "no frame is left that is not slack");
     return {};
+  }
+
+  /// The first and the last stay.
+  void thin_frames() {
+    const std::size_t all = out_.frame.size();
+    const auto most = static_cast<std::size_t>(std::max(options_.most_frames, 0));
+    if (most == 0 || all <= most) return;
+    std::vector<std::size_t> kept;
+    for (std::size_t i = 0; i < most; ++i)
+      kept.push_back(out_.frame[most == 1 ? all - 1 : i * (all - 1) / (most - 1)]);
+    out_.frame = std::move(kept);
+    out_.use.thinned_frames = static_cast<int>(all - most);
   }
 
   Expected<void> make_loads() {
@@ -360,26 +379,6 @@ class Making {
 };
 
 }  // namespace
-
-std::string in_words(const CaptureUse& use) {
-  std::string text = std::to_string(use.points) + " of " + std::to_string(use.vertices) +
-                     " vertices compared in " + std::to_string(use.frames) + " frames, " +
-                     std::to_string(use.readings) + " coordinates" +
-                     (use.has_graded_grid ? ", on a graded grid" : "");
-  std::string left_out;
-  const auto add = [&left_out](int count, const char* why) {
-    if (count > 0) left_out += (left_out.empty() ? "" : ", ") + std::to_string(count) + " " + why;
-  };
-  add(use.in_clips, "vertices in clips");
-  add(use.outside, "vertices outside of the mesh");
-  add(use.never_seen, "vertices never seen");
-  add(use.thinned, "vertices thinned out");
-  add(use.missing, "coordinates not seen");
-  add(use.held, "coordinates on a support");
-  add(use.missing_forces, "forces not measured");
-  add(static_cast<int>(use.dropped_frames.size()), "frames without a free clip's load");
-  return text + (left_out.empty() ? "" : "; left out: " + left_out);
-}
 
 Expected<CapturedSequence> sequence_from_capture(const Capture& capture,
                                                  const FromCaptureOptions& options) {

@@ -54,6 +54,7 @@ struct FromCaptureOptions {
   std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rectangle_m = {};
   int most_points = 0;                   ///< 0: all
   std::vector<std::size_t> frames = {};  ///< of the capture, rising; empty: all
+  int most_frames = 0;                   ///< of these, spread evenly; 0: all
   double unknown_sigma_m = 0.0;          ///< for positions that do not say theirs; 0: an error
   double unknown_sigma_N = 0.0;          ///< the same for tensions
   /// Clips that are named here get these force channels in place of their own.
@@ -86,7 +87,9 @@ struct CaptureUse {
   int missing_forces = 0;
   int frames = 0;
   bool has_graded_grid = false;             ///< its cells are not all alike
+  int thinned_frames = 0;                   ///< by most_frames
   std::vector<std::size_t> dropped_frames;  ///< a free clip's cord was not measured
+  std::vector<std::size_t> slack_frames;    ///< the capture says that the sheet sags there
   std::vector<int> clip_nodes;              ///< of each clip
 };
 

@@ -29,6 +29,7 @@ Expected<std::vector<SheetInput>> sheet_inputs(
   how.nodes_u = how.nodes_v = options.resolution;
   how.is_graded = options.has_graded_grid;
   how.most_points = options.points;
+  how.most_frames = options.frames;
   how.unknown_sigma_m = options.sigma_m;
   how.unknown_sigma_N = options.sigma_N;
   std::vector<SheetInput> inputs;

@@ -205,6 +205,7 @@ Expected<SheetFitOptions> read_sheet_options(const json& given,
   reader.whole("resolution", 3, 201, options.resolution);
   reader.word("grid", kGrids, options.has_graded_grid);
   reader.whole("points", 0, 1000000, options.points);
+  reader.whole("frames", 0, 1000000, options.frames);
   reader.word("start", kStarts, options.first_guess);
   reader.flag("staged", options.staged);
   reader.whole("max_control_points", 1, 12, options.max_control_points);
@@ -245,6 +246,7 @@ json options_json(const SheetFitOptions& options) {
   json all = {{"resolution", options.resolution},
               {"grid", word(kGrids, options.has_graded_grid)},
               {"points", options.points},
+              {"frames", options.frames},
               {"start", word(kStarts, options.first_guess)},
               {"staged", options.staged},
               {"max_control_points", options.max_control_points},

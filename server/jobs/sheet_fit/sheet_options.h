@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The options of a fit to captures of a deforming sheet, from the job's specification.
 //
-//   {"resolution": 25, "grid": "graded" | "equal", "points": 2000, "start": "equation_gap" |
-//   "model", "staged": true,
+//   {"resolution": 25, "grid": "graded" | "equal", "points": 2000, "frames": 60, "start":
+//   "equation_gap" | "model", "staged": true,
 //    "max_control_points": 5, "channels": "thesis" | "all", "roles": {"<capture>": "stretch_u"},
 //    "held_out": ["<capture>"], "weights": {"<capture>": 2.0}, "robust": "none" | "huber" |
 //    "cauchy", "profiles": true, "sigma_m": 1e-4, "sigma_N": 0.003, "starts": 20, "seed": 1,
@@ -41,6 +41,7 @@ struct SheetFitOptions {
   int resolution = 25;          ///< nodes on a side of the simulated grid
   bool has_graded_grid = true;  ///< see estimation/sequences/material/grid_layout.h
   int points = 0;               ///< vertices of a capture that are compared; 0: all
+  int frames = 0;               ///< of a capture, spread evenly; 0: all
   bool first_guess = true;
   bool staged = true;
   int max_control_points = 5;

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
-#include <sstream>
+
+#include "tests/bench/number_table.h"
 
 namespace tenter::bench {
 namespace {
@@ -21,9 +21,9 @@ constexpr std::size_t kReadings = 7;  // on either side of a distance
 // denser where the force is steep
 constexpr std::array<double, 12> kDistances_m = {0.070, 0.082, 0.094, 0.106, 0.118, 0.128,
                                                  0.138, 0.146, 0.154, 0.160, 0.166, 0.1715};
-// columns of the file
-constexpr std::size_t kRun = 0, kForce = 3, kFirstPin = 4, kBottomClamp = 14, kTopClamp = 16;
-constexpr std::size_t kColumns = 18;
+// columns as they are asked for
+constexpr std::size_t kRun = 0, kForce = 1, kFirstPin = 2, kBottomClamp = 12, kTopClamp = 14;
+constexpr std::size_t kColumns = 16;
 
 using Row = std::array<double, kColumns>;
 using Pulls = std::map<int, std::vector<Row>>;
@@ -93,19 +93,16 @@ Reading read_at(const std::vector<Row>& rows, double distance) {
 }
 
 Expected<Pulls> read_pulls(const std::string& path) {
-  std::ifstream file(path);
-  std::string line;
-  if (!std::getline(file, line)) return bad_input(path + ": cannot be read");
+  std::vector<std::string> columns = {"run", "force_N"};
+  for (const char* point : {"right_pin", "left_pin", "bottom_pin", "top_pin", "centre_pin",
+                            "bottom_clamp", "top_clamp"})
+    for (const char* axis : {"_x_mm", "_y_mm"}) columns.push_back(point + std::string(axis));
+  const auto rows = read_numbers(path, columns);
+  if (!rows) return tl::unexpected(rows.error());
   Pulls pulls;
-  for (int number = 2; std::getline(file, line); ++number) {
-    std::istringstream cells(line);
+  for (const std::vector<double>& cells : *rows) {
     Row row{};
-    std::size_t count = 0;
-    for (std::string cell; std::getline(cells, cell, ','); ++count)
-      if (count < kColumns) row[count] = std::atof(cell.c_str());
-    if (count != kColumns)
-      return bad_input(path + ": line " + std::to_string(number) + " has " + std::to_string(count) +
-                       " cells");
+    std::ranges::copy(cells, row.begin());
     pulls[static_cast<int>(row[kRun])].push_back(row);
   }
   return pulls;

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
-#include <sstream>
 #include <vector>
+
+#include "tests/bench/number_table.h"
 
 namespace tenter::bench {
 namespace {
@@ -22,23 +22,6 @@ constexpr int kCellsU = 26, kCellsV = 14;  // 104 mm x 56 mm
 constexpr int kPadCells = 2, kGapCells = 8;
 
 using Table = std::vector<std::vector<double>>;
-
-Expected<Table> read_table(const std::string& path, std::size_t columns) {
-  std::ifstream file(path);
-  std::string line;
-  if (!std::getline(file, line)) return bad_input(path + ": cannot be read");
-  Table table;
-  while (std::getline(file, line)) {
-    std::istringstream cells(line);
-    std::vector<double> row;
-    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(std::atof(cell.c_str()));
-    if (row.size() != columns)
-      return bad_input(path + ": line " + std::to_string(table.size() + 2) + " has " +
-                       std::to_string(row.size()) + " cells");
-    table.push_back(std::move(row));
-  }
-  return table;
-}
 
 /// |force| where the pad has moved by `displacement_m`, linear between readings.
 double force_at(const Table& forces, double displacement_m) {
@@ -62,11 +45,15 @@ std::vector<int> pad_nodes(const Grid& grid, int first_cell) {
 }  // namespace
 
 Expected<SkinData> read_skin(const std::string& folder, bool edge_is_held, int thinning) {
-  const auto dic = read_table(folder + "/healthy_dic.csv", 6);
+  const auto dic = read_numbers(folder + "/healthy_dic.csv",
+                                {"frame", "point", "x0_mm", "y0_mm", "ux_mm", "uy_mm"});
   if (!dic) return tl::unexpected(dic.error());
-  const auto pads = read_table(folder + "/healthy_pads.csv", 5);
+  const auto pads = read_numbers(
+      folder + "/healthy_pads.csv",
+      {"frame", "moving_pad_x_mm", "moving_pad_y_mm", "fixed_pad_x_mm", "fixed_pad_y_mm"});
   if (!pads) return tl::unexpected(pads.error());
-  const auto forces = read_table(folder + "/healthy_force_filtered.csv", 2);
+  const auto forces = read_numbers(folder + "/healthy_force_filtered.csv",
+                                   {"pad_displacement_x_mm", "pad_force_x_N"});
   if (!forces) return tl::unexpected(forces.error());
 
   SkinData data;

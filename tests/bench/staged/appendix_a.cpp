@@ -2,19 +2,17 @@
 // Tables A.1 to A.4 of the thesis for the twin fabrics: three models in four variants, fitted to
 // five sequences; beside them the two held-out sequences, and the second specimens.
 //
-//   tenter-bench-appendix-a [--nodes=25] [--frames=20] [--threads=2] [--fabrics=4,12,14,18]
-//                           [--cord=0.1] [--json=FILE] [--html=FILE]
-//                           [--curves=hermite_stiffness] [--points=5] [--early=10]
+//   tenter-bench-appendix-a --help
 //
 // Entries as in the thesis: N for stretch (all clips), N along the clips for shear, mm over free
 // points for bending; held out: N and mm. Rows are fitted at the same time, one thread each.
 // The page holds the plots of the nonlinear orthotropic variants: loops, bends, sheets.
+#include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <thread>
 
 #include "server/estimation/staged/tables/variants.h"
@@ -106,20 +104,24 @@ nlohmann::json to_json(const std::string& fabric, const Cell& cell) {
 int main(int argc, char** argv) {
   const auto start = Clock::now();
   bench::RigSettings rig;
-  rig.nodes = std::stoi(bench::argument(argc, argv, "nodes", "25"));
-  rig.frames = std::stoi(bench::argument(argc, argv, "frames", "20"));
-  rig.cord_loop_N = std::stod(bench::argument(argc, argv, "cord", "0"));
-  const int threads = std::stoi(bench::argument(argc, argv, "threads", "2"));
-  const int points = std::stoi(bench::argument(argc, argv, "points", "5"));
-  // half of 20: every branch of the loops and its end are still seen
-  const int early_frames = std::stoi(bench::argument(argc, argv, "early", "10"));
-  const std::string curves = bench::argument(argc, argv, "curves", "");
-  const std::string page_file = bench::argument(argc, argv, "html", "");
+  rig.frames = 20;
+  int threads = 2, points = 5;
+  int early_frames = 10;  // half of 20: every branch of the loops and its end are still seen
+  std::string curves, page_file, file;
+  std::vector<std::string> fabrics = {"4", "12", "14", "18"};
+  CLI::App app("Tables A.1 to A.4 of the thesis for the twin fabrics.");
+  bench::add_rig_options(app, rig);
+  app.add_option("--threads", threads)->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--fabrics", fabrics, "4, 12, 14, 18.")->delimiter(',')->capture_default_str();
+  app.add_option("--curves", curves, "Law of nonlinear curves: hermite_stiffness, ...");
+  app.add_option("--points", points, "Control points at most.")->capture_default_str();
+  app.add_option("--early", early_frames, "Frames of early stages.")->capture_default_str();
+  app.add_option("--json", file, "File for the numbers.");
+  app.add_option("--html", page_file, "File for the plots.");
+  CLI11_PARSE(app, argc, argv);
   bench::AppendixPage page;
-  const std::string file = bench::argument(argc, argv, "json", "");
-  std::stringstream fabrics(bench::argument(argc, argv, "fabrics", "4,12,14,18"));
   nlohmann::json document = nlohmann::json::array();
-  for (std::string fabric; std::getline(fabrics, fabric, ',');) {
+  for (const std::string& fabric : fabrics) {
     const auto training = bench::fitting_sequences(fabric, rig);
     auto others = bench::evaluation_sequences(fabric, rig);
     auto drawn = training;

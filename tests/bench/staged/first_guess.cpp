@@ -3,10 +3,10 @@
 // between start and fit. Cases: all six curves jointly from one sequence, which the thesis calls
 // fraught with local minima (3.4), and from all five.
 //
-//   tenter-bench-first-guess [--fabric=12] [--nodes=13] [--frames=10] [--starts=16] [--widest=30]
-//                            [--points=3] [--threads=2] [--json=FILE]
+//   tenter-bench-first-guess --help
 //
 // The costs of every way, sorted, are the waterfalls of the JSON.
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -47,16 +47,24 @@ model::Model form_of(const std::string& fabric, int points) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const auto number = [&](const char* name, const char* otherwise) {
-    return std::stoi(bench::argument(argc, argv, name, otherwise));
-  };
-  const std::string fabric = bench::argument(argc, argv, "fabric", "12");
   bench::RigSettings rig;
-  rig.nodes = number("nodes", "13");
-  rig.frames = number("frames", "10");
-  const int count = number("starts", "16");
-  const double widest = number("widest", "30");
-  const model::Model model = form_of(fabric, number("points", "3"));
+  rig.nodes = 13;
+  rig.frames = 10;
+  std::string fabric = "12", file;
+  int count = 16, points = 3, threads = 2;
+  double widest = 30.0;
+  CLI::App app("How often a fit reaches the best basin, with and without the equation gap.");
+  bench::add_rig_options(app, rig);
+  app.add_option("--fabric", fabric, "4, 12, 14 or 18.")->capture_default_str();
+  app.add_option("--starts", count)->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--widest", widest, "Factor by which starts are off at most.")
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--points", points, "Control points of a curve.")->capture_default_str();
+  app.add_option("--threads", threads)->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--json", file, "File for the waterfalls.");
+  CLI11_PARSE(app, argc, argv);
+  const model::Model model = form_of(fabric, points);
   const estimation::ParameterTies ties = estimation::no_ties(model);
 
   std::vector<estimation::Sequence> five, one;
@@ -74,7 +82,7 @@ int main(int argc, char** argv) {
     std::vector<double> seconds;
     for (const bool guess : {false, true}) {
       estimation::MultiStartOptions options;
-      options.threads = number("threads", "2");
+      options.threads = threads;
       options.fit.max_iterations = 60;
       options.fit.tolerance = 1e-5;
       options.weighting.rule = estimation::WeightingRule::by_noise;
@@ -108,7 +116,6 @@ int main(int argc, char** argv) {
       document.push_back({{"case", name}, {"way", way}, {"costs", costs}, {"failed", failed}});
     }
   }
-  const std::string file = bench::argument(argc, argv, "json", "");
   if (!file.empty()) std::ofstream(file) << document.dump(1) << "\n";
   return 0;
 }

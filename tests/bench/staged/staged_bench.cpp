@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The staged fit of one twin fabric (thesis 3.4.2): time, what each stage did, memory.
 //
-//   tenter-bench-staged [--fabric=18] [--nodes=25] [--frames=40] [--threads=2] [--coupled=1]
-//                       [--early=20] [--model=cloth_springs_spline] [--law=hermite_stiffness]
-//                       [--points=5] [--verbose=1]
+//   tenter-bench-staged --fabric 14 --points 6; --help says more
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 
@@ -24,27 +23,33 @@ double seconds_since(Clock::time_point start) {
 
 int main(int argc, char** argv) {
   using namespace tenter;
-  const auto number = [&](const char* name, const char* otherwise) {
-    return std::stoi(bench::argument(argc, argv, name, otherwise));
-  };
-  const std::string fabric = bench::argument(argc, argv, "fabric", "18");
   bench::RigSettings rig;
-  rig.nodes = number("nodes", "25");
-  rig.frames = number("frames", "40");
+  estimation::StagedOptions options;
+  options.stage.threads = 2;
+  options.early_frames = 20;
+  std::string fabric = "18", form = "cloth_stvk_spline", law;
+  bool is_verbose = false;
+  CLI::App app("The staged fit of one twin fabric: time, what each stage did, memory.");
+  bench::add_rig_options(app, rig);
+  app.add_option("--fabric", fabric, "4, 12, 14 or 18.")->capture_default_str();
+  app.add_option("--threads", options.stage.threads)
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_flag("--coupled,!--no-coupled", options.coupled, "With the coupled repeat, or without.");
+  app.add_option("--early", options.early_frames, "Frames of early stages.")->capture_default_str();
+  app.add_option("--model", form, "A preset.")->capture_default_str();
+  app.add_option("--law", law, "Of its curves: hermite_stiffness, bspline_stiffness, ...");
+  app.add_option("--points", options.stage.most_points, "Control points at most.")
+      ->capture_default_str();
+  app.add_flag("--verbose", is_verbose, "Say what each stage is doing.");
+  CLI11_PARSE(app, argc, argv);
   auto before = Clock::now();
   const auto measured = bench::fitting_sequences(fabric, rig);
   std::printf("#%s, %d x %d nodes, %d frames a sequence: measured in %.1f s\n", fabric.c_str(),
               rig.nodes, rig.nodes, rig.frames, seconds_since(before));
 
-  estimation::StagedOptions options;
-  options.stage.threads = number("threads", "2");
-  options.coupled = number("coupled", "1") != 0;
-  options.stage.most_points = number("points", "5");
-  options.early_frames = number("early", "20");
-  const std::string form = bench::argument(argc, argv, "model", "cloth_stvk_spline");
   before = Clock::now();
   const double cpu_before = bench::cpu_seconds();
-  const bool is_verbose = number("verbose", "0") != 0;
   if (is_verbose)
     options.stage.on_progress = [&](const estimation::StageProgress& p) {
       std::printf("  %6.2f s  %-14s %d points  iteration %2d  cost %.6g\n", seconds_since(before),
@@ -53,7 +58,7 @@ int main(int argc, char** argv) {
       return true;
     };
   model::Model start = model::preset(form).value();
-  if (const std::string law = bench::argument(argc, argv, "law", ""); !law.empty())
+  if (!law.empty())
     for (model::Term& term : start.terms)
       if (estimation::is_spline(term.law)) term.law.name = law;
   const auto fit = estimation::staged_fit(std::move(start), measured, options);

@@ -2,10 +2,10 @@
 // Table 4.1 of the thesis for the twins of its two fabrics (A: #12, B: #14): the energy grows by an
 // addend a step; training errors as in the thesis, and those of the held-out sequences.
 //
-//   tenter-bench-table-41 [--nodes=25] [--frames=20] [--threads=2] [--fabrics=12,14] [--cord=0.1]
+//   tenter-bench-table-41 --help
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
-#include <sstream>
 
 #include "server/estimation/staged/tables/progressive.h"
 #include "tests/bench/staged/twin_rig.h"
@@ -14,19 +14,24 @@ int main(int argc, char** argv) {
   using namespace tenter;
   using Clock = std::chrono::steady_clock;
   bench::RigSettings rig;
-  rig.nodes = std::stoi(bench::argument(argc, argv, "nodes", "25"));
-  rig.frames = std::stoi(bench::argument(argc, argv, "frames", "20"));
-  rig.cord_loop_N = std::stod(bench::argument(argc, argv, "cord", "0"));
+  rig.frames = 20;
   estimation::StageOptions options;
-  options.threads = std::stoi(bench::argument(argc, argv, "threads", "2"));
-  if (bench::argument(argc, argv, "verbose", "0") != "0")
+  options.threads = 2;
+  std::vector<std::string> fabrics = {"12", "14"};
+  bool is_verbose = false;
+  CLI::App app("Table 4.1 of the thesis for the twins of its two fabrics.");
+  bench::add_rig_options(app, rig);
+  app.add_option("--threads", options.threads)->capture_default_str();
+  app.add_option("--fabrics", fabrics, "4, 12, 14, 18.")->delimiter(',')->capture_default_str();
+  app.add_flag("--verbose", is_verbose, "Say what each stage is doing.");
+  CLI11_PARSE(app, argc, argv);
+  if (is_verbose)
     options.on_progress = [](const estimation::StageProgress& p) {
       std::fprintf(stderr, "%-12s iteration %2d  cost %.6g\n", p.stage.c_str(), p.iteration,
                    p.cost);
       return true;
     };
-  std::stringstream fabrics(bench::argument(argc, argv, "fabrics", "12,14"));
-  for (std::string fabric; std::getline(fabrics, fabric, ',');) {
+  for (const std::string& fabric : fabrics) {
     const auto training = bench::fitting_sequences(fabric, rig);
     const auto held_out = bench::evaluation_sequences(fabric, rig);
     const auto start = Clock::now();

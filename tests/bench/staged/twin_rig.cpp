@@ -3,6 +3,7 @@
 
 #include <sys/resource.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
@@ -93,11 +94,16 @@ double cpu_seconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-std::string argument(int argc, char** argv, const std::string& name, const std::string& otherwise) {
-  const std::string start = "--" + name + "=";
-  for (int k = 1; k < argc; ++k)
-    if (std::string(argv[k]).rfind(start, 0) == 0) return std::string(argv[k]).substr(start.size());
-  return otherwise;
+void add_rig_options(CLI::App& app, RigSettings& settings) {
+  app.add_option("--nodes", settings.nodes, "Nodes on a side of the sheet.")
+      ->check(CLI::Range(7, 201))
+      ->capture_default_str();
+  app.add_option("--frames", settings.frames, "Frames of a sequence.")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--cord", settings.cord_loop_N, "Hysteresis of the cords, N (0.1 in the thesis).")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
 }
 
 }  // namespace tenter::bench

@@ -9,6 +9,10 @@
 #include "tests/bench/cpu_time.h"
 #include "tests/twin/fabrics/fabric.h"
 
+namespace CLI {
+class App;
+}
+
 namespace tenter::bench {
 
 struct RigSettings {
@@ -28,7 +32,7 @@ std::vector<estimation::RoleSequence> evaluation_sequences(const std::string& fa
 double peak_memory_MB();
 double cpu_seconds();  ///< of the process
 
-/// "--name=value" of a command line, or what is given.
-std::string argument(int argc, char** argv, const std::string& name, const std::string& otherwise);
+/// --nodes, --frames, --cord: with what stands in `settings` as their defaults.
+void add_rig_options(CLI::App& app, RigSettings& settings);
 
 }  // namespace tenter::bench

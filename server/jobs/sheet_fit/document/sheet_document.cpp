@@ -24,6 +24,8 @@ using estimation::ParameterState;
 using nlohmann::json;
 
 constexpr double kCorrelated = 0.9;
+constexpr const char* kUnread = "the cord of a free clip was not measured";
+constexpr const char* kSlack = "the capture says that the sheet is slack there";
 
 double rms(double square, int rows) {
   return std::sqrt(square / rows);
@@ -45,8 +47,9 @@ json errors_json(const Misfit& before, const Misfit& after) {
 json dropped_json(const SheetInput& input, const Prediction& after) {
   json list = json::array();
   for (const std::size_t frame : input.captured.use.dropped_frames)
-    list.push_back({{"frame", input.capture.frame[frame]},
-                    {"reason", "the cord of a free clip was not measured"}});
+    list.push_back({{"frame", input.capture.frame[frame]}, {"reason", kUnread}});
+  for (const std::size_t frame : input.captured.use.slack_frames)
+    list.push_back({{"frame", input.capture.frame[frame]}, {"reason", kSlack}});
   for (const estimation::RestlessFrame& frame : after.restless)
     list.push_back({{"frame", input.frame_number(static_cast<std::size_t>(frame.frame))},
                     {"reason", frame.reason}});
@@ -265,12 +268,15 @@ std::vector<estimation::DroppedFrames> dropped_frames(const SheetFindings& found
   std::vector<estimation::DroppedFrames> all;
   for (std::size_t i = 0; i < found.inputs.size(); ++i) {
     const SheetInput& input = found.inputs[i];
-    std::vector<int> unread, restless;
+    std::vector<int> unread, slack, restless;
     for (const std::size_t frame : input.captured.use.dropped_frames)
       unread.push_back(input.capture.frame[frame]);
+    for (const std::size_t frame : input.captured.use.slack_frames)
+      slack.push_back(input.capture.frame[frame]);
     for (const estimation::RestlessFrame& frame : found.after[i].restless)
       restless.push_back(input.frame_number(static_cast<std::size_t>(frame.frame)));
-    all.push_back({input.capture.title, unread, "the cord of a free clip was not measured"});
+    all.push_back({input.capture.title, unread, kUnread});
+    all.push_back({input.capture.title, slack, kSlack});
     all.push_back({input.capture.title, restless, "the fitted model has no rest there"});
   }
   for (const estimation::StageRecord& stage : found.stages)

@@ -58,6 +58,11 @@ TEST(SheetFile, ReadsWhatItWrote) {
   EXPECT_EQ(a.supports[0].along, 'v');
   EXPECT_FALSE(a.supports[0].bears_above);
   EXPECT_EQ(a.gravity_m_s2, b.gravity_m_s2);
+  ASSERT_TRUE(a.slack);
+  EXPECT_EQ(a.slack->clips, b.slack->clips);
+  EXPECT_EQ(a.slack->closer_than_m, 0.300005);
+  EXPECT_TRUE(a.is_slack(1));
+  EXPECT_FALSE(a.is_slack(2));
   EXPECT_EQ(bytes_of(*read), bytes_of(written));
   Capture other = written;
   other.sheet->position_m[5] += 1e-15;
@@ -153,6 +158,8 @@ TEST(SheetFile, SaysWhatMakesNoSense) {
               c.sheet->cords[1].direction[1] = {0, 0, 2};
             }),
             "cord \"hang\" has a direction that is not of length one at run 2, frame 2");
+  EXPECT_EQ(complaint([](Capture& c) { c.sheet->slack->clips[1] = "fixed"; }),
+            "slack frames are told by clip \"fixed\" and itself");
   EXPECT_EQ(complaint([](Capture& c) { c.sheet->supports[0].edge_m.pop_back(); }),
             "support \"table\" has 3 edges for 4 frames");
 }

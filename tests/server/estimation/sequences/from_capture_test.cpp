@@ -329,6 +329,29 @@ TEST(FromCapture, ATablesEdgeHoldsOtherNodesInEveryFrame) {
   EXPECT_EQ(on_line->sequence.boundaries[0].held.size(), 7U * kSide);
 }
 
+TEST(FromCapture, SlackFramesAreLeftOutAndOthersThinned) {
+  Capture capture = capture_of_square(12);
+  Sheet& sheet = *capture.sheet;
+  sheet.clips = {clip_on("fixed", 0.0, 0.0, 12), clip_on("moved", kSize_m, kSize_m, 12)};
+  for (std::size_t f = 0; f < 12; ++f)
+    sheet.clips[1].pose[f].position_m[0] = 0.001 * static_cast<double>(f);
+  sheet.slack = capture::SlackRule{{"fixed", "moved"}, 0.0025};
+  FromCaptureOptions options = same_grid();
+  const auto taut = sequence_from_capture(capture, options);
+  ASSERT_TRUE(taut) << taut.error().message;
+  EXPECT_EQ(taut->use.slack_frames, (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(taut->sequence.frames.size(), 9U);
+  EXPECT_NE(in_words(taut->use).find("3 slack frames"), std::string::npos) << in_words(taut->use);
+  options.most_frames = 5;
+  const auto thinned = sequence_from_capture(capture, options);
+  ASSERT_TRUE(thinned) << thinned.error().message;
+  EXPECT_EQ(thinned->frame, (std::vector<std::size_t>{3, 5, 7, 9, 11}));
+  EXPECT_EQ(thinned->use.thinned_frames, 4);
+  sheet.slack->closer_than_m = 1.0;
+  EXPECT_EQ(sequence_from_capture(capture, options).error().message,
+            "square: no frame is left that is not slack");
+}
+
 TEST(FromCapture, ManyVerticesAreComparedWithACoarseMesh) {
   Capture capture = capture_of_square(2);
   Sheet& sheet = *capture.sheet;

@@ -224,6 +224,27 @@ std::pair<double, double> spline_range(const Law& law, Domain domain) {
   return {law.range_lo, law.range_hi};
 }
 
+bool may_have_knots(const Law& law) {
+  return law.name == "hermite_stiffness" || law.name == "bspline_stiffness" ||
+         law.name == "convex_spline";
+}
+
+int spline_pieces(const Law& law, int points) {
+  return std::max(1,
+                  law.name == "hermite_stiffness" ? points - 1 : points - std::min(3, points - 1));
+}
+
+std::vector<double> spline_knots(const Law& law, Domain domain) {
+  const auto [lo, hi] = spline_range(law, domain);
+  const int pieces = spline_pieces(law, static_cast<int>(law.parameters.size()));
+  std::vector<double> knots = {lo};
+  for (int i = 1; i < pieces; ++i)
+    knots.push_back(law.knots.empty() ? lo + i * ((hi - lo) / pieces)
+                                      : law.knots[static_cast<std::size_t>(i - 1)]);
+  knots.push_back(hi);
+  return knots;
+}
+
 bool remembers_path(const Model& model) {
   return std::any_of(model.terms.begin(), model.terms.end(), [](const Term& term) {
     const LawRow* row = find_law(term.law.name);

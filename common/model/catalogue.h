@@ -99,6 +99,17 @@ std::vector<Parameter> default_parameters(const CorrectionRow& correction);
 /// curvature).
 std::pair<double, double> spline_range(const Law& law, Domain domain = Domain::membrane);
 
+/// hermite_stiffness, bspline_stiffness or convex_spline: their knots may be uneven.
+bool may_have_knots(const Law& law);
+
+/// Pieces that a stiffness spline with so many control points has: one fewer than points; of
+/// B-splines, cubic from four points on, as many less as their degree.
+int spline_pieces(const Law& law, int points);
+
+/// The ends of the pieces of a stiffness spline, from the range's lower end to its upper one: the
+/// document's knots, or even ones.
+std::vector<double> spline_knots(const Law& law, Domain domain = Domain::membrane);
+
 /// Whether a term's law has a memory: frames are then steps of one path, and none may be left out.
 bool remembers_path(const Model& model);
 

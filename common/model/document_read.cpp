@@ -45,7 +45,7 @@ std::vector<Parameter> read_parameters(const Node& node, std::vector<Parameter> 
 }
 
 Law read_law(const Node& node, Domain domain) {
-  node.expect_object({"name", "range", "parameters"});
+  node.expect_object({"name", "range", "knots", "parameters"});
   Law law;
   law.name = node["name"].text();
   const LawRow* row = find_law(law.name);
@@ -58,6 +58,10 @@ Law read_law(const Node& node, Domain domain) {
   if (node.has("range")) {
     if (!row->spline) node["range"].refuse("only spline laws have a range");
     std::tie(law.range_lo, law.range_hi) = node["range"].pair();
+  }
+  if (node.has("knots")) {
+    if (!may_have_knots(law)) node["knots"].refuse("only stiffness splines have knots");
+    for (const Node& knot : node["knots"].list()) law.knots.push_back(knot.number());
   }
   if (row->spline) {
     // a spline has as many control points as the document lists

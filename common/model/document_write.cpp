@@ -41,6 +41,7 @@ Json write_term(const Term& term) {
 
   Json law = {{"name", term.law.name}};
   if (law_row != nullptr && law_row->spline) law["range"] = {term.law.range_lo, term.law.range_hi};
+  if (!term.law.knots.empty()) law["knots"] = term.law.knots;
   law["parameters"] = write_parameters(term.law.parameters);
 
   Json object = {{"id", term.id}};

@@ -38,6 +38,9 @@ struct Law {
   std::string name;       ///< row of the law catalogue, e.g. "linear", "dahl"
   double range_lo = 0.0;  ///< spline laws: strain of the first and of the last control point
   double range_hi = 0.0;
+  /// Stiffness splines: strains inside the range where one piece ends and the next begins, rising;
+  /// of hermite_stiffness its inner control points. Empty: even ones (catalogue.h, spline_knots).
+  std::vector<double> knots = {};
   std::vector<Parameter>
       parameters;  ///< in the catalogue's order; splines have one per control point
 };

@@ -101,6 +101,25 @@ Expected<void> check_parameters(const std::vector<Parameter>& parameters,
   return {};
 }
 
+Expected<void> check_knots(const Law& law, const std::string& path) {
+  if (law.knots.empty()) return {};
+  if (!may_have_knots(law))
+    return bad_input(path + ".knots: only stiffness splines have knots, " + law.name + " has none");
+  const std::size_t inner =
+      static_cast<std::size_t>(spline_pieces(law, static_cast<int>(law.parameters.size()))) - 1;
+  if (law.knots.size() != inner)
+    return bad_input(path + ".knots: has " + std::to_string(law.knots.size()) + ", but " +
+                     law.name + " with " + std::to_string(law.parameters.size()) +
+                     " control points has " + std::to_string(inner) + " inside its range");
+  double before = law.range_lo;
+  for (const double knot : law.knots) {
+    if (!(knot > before && knot < law.range_hi))
+      return bad_input(path + ".knots: must rise, and lie inside the range");
+    before = knot;
+  }
+  return {};
+}
+
 Expected<void> check_law(const Law& law, const StrainRow& strain, const std::string& path) {
   const LawRow* row = find_law(law.name);
   if (row == nullptr) return bad_input(path + ".name: there is no law '" + law.name + "'");
@@ -123,6 +142,7 @@ Expected<void> check_law(const Law& law, const StrainRow& strain, const std::str
   } else if (law.range_lo != 0.0 || law.range_hi != 0.0) {
     return bad_input(path + ".range: only spline laws have a range, " + law.name + " has none");
   }
+  if (auto checked = check_knots(law, path); !checked) return checked;
   return check_parameters(
       law.parameters, default_parameters(*row, count, strain.domain),
       [row, &strain](std::size_t i) {

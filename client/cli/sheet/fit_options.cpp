@@ -140,6 +140,12 @@ void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft) {
       ->type_name("N")
       ->check(CLI::Range(1, 12));
   command
+      .add_option("--knots", draft.knots,
+                  "Sheets: control points of a stiffness curve at even strains (even), or where "
+                  "what is left of the errors asks for them (data). Default: even.")
+      ->type_name("WORD")
+      ->check(CLI::IsMember({"even", "data"}));
+  command
       .add_option(
           "--start", draft.start,
           "Sheets: begin with what the measured forces say (equation_gap), or with the model's own "
@@ -190,6 +196,7 @@ Expected<void> complete_options(const SheetFitDraft& draft, const std::vector<st
   if (draft.points >= 0) options["points"] = draft.points;
   if (draft.frames >= 0) options["frames"] = draft.frames;
   if (draft.max_control_points >= 0) options["max_control_points"] = draft.max_control_points;
+  if (!draft.knots.empty()) options["knots"] = draft.knots;
   if (!draft.start.empty()) options["start"] = draft.start;
   if (!draft.channels.empty()) options["channels"] = draft.channels;
   if (!draft.robust.empty()) options["robust"] = draft.robust;

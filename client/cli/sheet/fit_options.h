@@ -28,6 +28,7 @@ struct SheetFitDraft {
   int points = -1;
   int frames = -1;
   int max_control_points = -1;
+  std::string knots;
   std::string start;
   std::string channels;
   std::string robust;

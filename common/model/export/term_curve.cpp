@@ -5,37 +5,45 @@
 #include <cmath>
 
 namespace tenter::model {
-namespace {
 
-double knot(int i, int degree, int intervals) {
-  return std::clamp(i - degree, 0, intervals);
+double TermCurve::piece_width(int piece) const {
+  if (knots_.empty()) return width_;
+  return knots_[static_cast<std::size_t>(piece + 1)] - knots_[static_cast<std::size_t>(piece)];
 }
 
-/// Cox - de Boor on clamped even knots; `span` is the interval that x belongs to.
-double bspline(int j, int d, int degree, int intervals, int span, double x) {
+double TermCurve::coordinate(double strain) const {
+  if (knots_.empty()) return (strain - lo_) / width_;
+  int piece = 0;
+  while (piece + 1 < intervals_ && strain >= knots_[static_cast<std::size_t>(piece + 1)]) ++piece;
+  return piece + (strain - knots_[static_cast<std::size_t>(piece)]) / piece_width(piece);
+}
+
+double TermCurve::knot(int i, int degree) const {
+  return knots_[static_cast<std::size_t>(std::clamp(i - degree, 0, intervals_))];
+}
+
+/// Cox - de Boor on clamped knots; `span` is the piece that the strain belongs to.
+double TermCurve::bspline(int j, int d, int degree, int span, double strain) const {
   if (d == 0) return j == span + degree ? 1.0 : 0.0;
-  const double left = knot(j + d, degree, intervals) - knot(j, degree, intervals);
-  const double right = knot(j + d + 1, degree, intervals) - knot(j + 1, degree, intervals);
+  const double left = knot(j + d, degree) - knot(j, degree);
+  const double right = knot(j + d + 1, degree) - knot(j + 1, degree);
   double value = 0.0;
   if (left > 0.0)
-    value +=
-        (x - knot(j, degree, intervals)) / left * bspline(j, d - 1, degree, intervals, span, x);
+    value += (strain - knot(j, degree)) / left * bspline(j, d - 1, degree, span, strain);
   if (right > 0.0)
-    value += (knot(j + d + 1, degree, intervals) - x) / right *
-             bspline(j + 1, d - 1, degree, intervals, span, x);
+    value +=
+        (knot(j + d + 1, degree) - strain) / right * bspline(j + 1, d - 1, degree, span, strain);
   return value;
 }
 
-double bspline_slope(int j, int degree, int intervals, int span, double x) {
-  const double left = knot(j + degree, degree, intervals) - knot(j, degree, intervals);
-  const double right = knot(j + degree + 1, degree, intervals) - knot(j + 1, degree, intervals);
+double TermCurve::bspline_slope(int j, int degree, int span, double strain) const {
+  const double left = knot(j + degree, degree) - knot(j, degree);
+  const double right = knot(j + degree + 1, degree) - knot(j + 1, degree);
   double slope = 0.0;
-  if (left > 0.0) slope += degree / left * bspline(j, degree - 1, degree, intervals, span, x);
-  if (right > 0.0) slope -= degree / right * bspline(j + 1, degree - 1, degree, intervals, span, x);
+  if (left > 0.0) slope += degree / left * bspline(j, degree - 1, degree, span, strain);
+  if (right > 0.0) slope -= degree / right * bspline(j + 1, degree - 1, degree, span, strain);
   return slope;
 }
-
-}  // namespace
 
 std::optional<TermCurve> TermCurve::of(const Law& law, Domain domain) {
   static constexpr std::pair<std::string_view, Form> kForms[] = {
@@ -52,11 +60,11 @@ std::optional<TermCurve> TermCurve::of(const Law& law, Domain domain) {
     curve.form_ = form;
     curve.points_ = static_cast<int>(law.parameters.size());
     const auto [lo, hi] = spline_range(law, domain);
-    const bool is_bspline = form == Form::bspline || form == Form::convex;
-    curve.intervals_ = std::max(
-        1, is_bspline ? curve.points_ - std::min(3, curve.points_ - 1) : curve.points_ - 1);
+    curve.intervals_ =
+        may_have_knots(law) ? spline_pieces(law, curve.points_) : std::max(1, curve.points_ - 1);
     curve.lo_ = lo;
     curve.width_ = (hi - lo) / curve.intervals_;
+    if (may_have_knots(law)) curve.knots_ = spline_knots(law, domain);
     return curve;
   }
   return std::nullopt;
@@ -64,14 +72,16 @@ std::optional<TermCurve> TermCurve::of(const Law& law, Domain domain) {
 
 TermCurve::Value TermCurve::basis(int j, double strain) const {
   if (points_ == 1) return {1.0, 0.0, 0.0};
-  const double x = (strain - lo_) / width_;
+  const double x = coordinate(strain);
   const double inside = std::clamp(x, 0.0, static_cast<double>(intervals_));
   const int span = std::min(static_cast<int>(inside), intervals_ - 1);
+  const double width = piece_width(span);
   Value at;
   if (form_ == Form::bspline || form_ == Form::convex) {
     const int degree = points_ - intervals_;
-    at.value = bspline(j, degree, degree, intervals_, span, inside);
-    at.first = x == inside ? bspline_slope(j, degree, intervals_, span, inside) / width_ : 0.0;
+    const double there = std::clamp(strain, knots_.front(), knots_.back());
+    at.value = bspline(j, degree, degree, span, there);
+    at.first = x == inside ? bspline_slope(j, degree, span, there) : 0.0;
     return at;
   }
   const auto weight = [j](int point) { return j == point ? 1.0 : 0.0; };
@@ -85,15 +95,17 @@ TermCurve::Value TermCurve::basis(int j, double strain) const {
     }
     const int lower = std::max(point - 1, 0);
     const int upper = std::min(point + 1, points_ - 1);
-    return (weight(upper) - weight(lower)) / (upper - lower);
+    if (knots_.empty()) return (weight(upper) - weight(lower)) / (upper - lower);
+    return width * (weight(upper) - weight(lower)) /
+           (knots_[static_cast<std::size_t>(upper)] - knots_[static_cast<std::size_t>(lower)]);
   };
   const double t = inside - span;
   const double w0 = weight(span), w1 = weight(span + 1), m0 = slope(span), m1 = slope(span + 1);
   const double c2 = 3.0 * (w1 - w0) - 2.0 * m0 - m1;
   const double c3 = 2.0 * (w0 - w1) + m0 + m1;
   at.value = w0 + t * (m0 + t * (c2 + t * c3));
-  at.first = (m0 + t * (2.0 * c2 + 3.0 * t * c3)) / width_;
-  at.second = (2.0 * c2 + 6.0 * t * c3) / (width_ * width_);
+  at.first = (m0 + t * (2.0 * c2 + 3.0 * t * c3)) / width;
+  at.second = (2.0 * c2 + 6.0 * t * c3) / (width * width);
   if (x == inside) return at;
   if (form_ == Form::hermite) return {at.value, 0.0, 0.0};
   const double beyond = strain - (lo_ + inside * width_);  // energies keep the curvature of the end
@@ -108,7 +120,10 @@ double TermCurve::integral(int j, double strain) const {
   double sum = 0.0;
   double from = a;
   for (int i = 0; i <= intervals_ + 1; ++i) {
-    const double to = i <= intervals_ ? std::clamp(lo_ + i * width_, from, b) : b;
+    const double end = knots_.empty()    ? lo_ + i * width_
+                       : i <= intervals_ ? knots_[static_cast<std::size_t>(i)]
+                                         : b;
+    const double to = i <= intervals_ ? std::clamp(end, from, b) : b;
     const double half = 0.5 * (to - from);
     if (half > 0.0) {
       const double middle = 0.5 * (from + to);

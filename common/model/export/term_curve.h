@@ -49,12 +49,19 @@ class TermCurve {
   /// Basis function j of the spline, with the continuation that its law has.
   Value basis(int j, double strain) const;
   double integral(int j, double strain) const;
+  /// A strain in units of pieces: i + t in piece i, which its knots span; beyond the ends too.
+  double coordinate(double strain) const;
+  double piece_width(int piece) const;
+  double knot(int i, int degree) const;
+  double bspline(int j, int d, int degree, int span, double strain) const;
+  double bspline_slope(int j, int degree, int span, double strain) const;
 
   Form form_ = Form::linear;
   int points_ = 1;
   int intervals_ = 1;
   double lo_ = 0.0;
   double width_ = 1.0;
+  std::vector<double> knots_;  ///< ends of the pieces of a stiffness spline
 };
 
 }  // namespace tenter::model

@@ -91,15 +91,19 @@ struct ConvexityConstraints::Builder {
   /// A little to either side of each.
   static std::vector<double> knots_of(const Term& term) {
     const model::Law& law = term.description->law;
+    std::vector<double> ends;
     const auto [lo, hi] = model::spline_range(law, term.strain->domain);
-    const int points = term.law->parameter_count();
-    const bool is_bspline = law.name == "bspline_stiffness" || law.name == "convex_spline";
-    const int intervals = is_bspline ? points - std::min(3, points - 1) : points - 1;
-    const double width = (hi - lo) / intervals;
+    if (model::may_have_knots(law)) {
+      ends = model::spline_knots(law, term.strain->domain);
+    } else {
+      const int intervals = term.law->parameter_count() - 1;
+      for (int i = 0; i <= intervals; ++i) ends.push_back(lo + i * ((hi - lo) / intervals));
+    }
+    const double near = 1e-9 * (hi - lo) / static_cast<double>(ends.size() - 1);
     std::vector<double> knots;
-    knots.reserve(2 * static_cast<std::size_t>(intervals + 1));
-    for (int i = 0; i <= intervals; ++i)
-      for (const double side : {-1e-9, 1e-9}) knots.push_back(lo + (i + side) * width);
+    knots.reserve(2 * ends.size());
+    for (const double end : ends)
+      for (const double side : {-near, near}) knots.push_back(end + side);
     return knots;
   }
 

@@ -34,9 +34,11 @@ Expected<ParameterTies> tie_terms(const model::Model& model,
       const model::Law& law = term_of[id]->law;
       const model::Law& first = term_of[group.front()]->law;
       if (law.name != first.name || law.range_lo != first.range_lo ||
-          law.range_hi != first.range_hi || law.parameters.size() != first.parameters.size())
-        return bad_input("the terms \"" + group.front() + "\" and \"" + id +
-                         "\" cannot share a curve: their laws differ in name, range or size");
+          law.range_hi != first.range_hi || law.knots != first.knots ||
+          law.parameters.size() != first.parameters.size())
+        return bad_input(
+            "the terms \"" + group.front() + "\" and \"" + id +
+            "\" cannot share a curve: their laws differ in name, range, knots or size");
     }
   }
   ParameterTies ties;

@@ -36,7 +36,7 @@ struct ParameterTies {
 ParameterTies no_ties(const model::Model& model);
 
 /// The terms of a group share the parameters of its first one. bad_input where a term is not there
-/// or stands in two groups, or the laws of a group differ in name, range or size.
+/// or stands in two groups, or the laws of a group differ in name, range, knots or size.
 Expected<ParameterTies> tie_terms(const model::Model& model,
                                   const std::vector<std::vector<std::string>>& groups);
 

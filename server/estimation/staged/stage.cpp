@@ -9,6 +9,7 @@
 
 #include "server/estimation/least_squares/dissipation.h"
 #include "server/estimation/staged/resting_frames.h"
+#include "server/estimation/staged/splines/knot_choice.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/staged/splines/strain_histogram.h"
 #include "server/estimation/staged/start/constant_guess.h"
@@ -23,6 +24,7 @@ struct Fitted {
   ParameterTies ties;
   FitResult result;
   std::vector<std::vector<mechanics::State>> states;
+  std::vector<std::vector<double>> frame_costs;  ///< as states
 };
 
 /// A start whose frames are solved. Refers to the model that it is of.
@@ -256,6 +258,7 @@ class Stage {
     record_.iterations += fitted.result.iterations;
     record_.stopped |= fitted.result.stopped;
     if (!fitted.result.usable) return fitted;
+    fitted.frame_costs = frame_costs(fitted.result.residuals, evaluator->rows(), fitted.states);
     record_.refinements.push_back({points, fitted.result.chi2, true});
     store(fitted.result, fitted.model);
     // the next fit starts each frame where this one ended
@@ -292,10 +295,17 @@ class Stage {
       for (model::Term& term : finer.terms)
         if (term.id == range.term)
           std::tie(term.law.range_lo, term.law.range_hi) = std::pair(range.lo, range.hi);
-    for (model::Term& term : finer.terms) {
+    const auto left = options_.knots_from_data ? strains_of(fitted, true)
+                                               : Expected<std::vector<StrainHistogram>>{};
+    if (!left) return tl::unexpected(left.error());
+    for (std::size_t t = 0; t < finer.terms.size(); ++t) {
+      model::Term& term = finer.terms[t];
       if (!is_refined(term)) continue;
-      const int points = static_cast<int>(term.law.parameters.size()) + more;
-      auto law = with_points(term.law, std::min(points, options_.most_points));
+      const int points =
+          std::min(static_cast<int>(term.law.parameters.size()) + more, options_.most_points);
+      auto law = with_points(
+          term.law, points,
+          left->empty() ? std::vector<double>{} : inner_knots(term.law, points, (*left)[t]));
       if (!law) return tl::unexpected(law.error());
       term.law = std::move(*law);
     }
@@ -304,24 +314,29 @@ class Stage {
     return fit_curves(finer, *ties);
   }
 
-  /// The strains of the first fit's frames, terms of a group together; a range that the document
-  /// gives stays.
-  Expected<void> choose_ranges(const Fitted& fitted) {
+  /// Of each term the strains of the frames, of terms of a group those of all; weighted with what
+  /// is left of a frame's cost, or each frame alike.
+  Expected<std::vector<StrainHistogram>> strains_of(const Fitted& fitted, bool by_cost) {
     const std::vector<model::Term>& terms = fitted.model.terms;
-    std::vector<StrainHistogram> histograms(terms.size());
+    std::vector<StrainHistogram> own(terms.size());
     for (std::size_t s = 0; s < sequences_.size(); ++s) {
       const auto bound = mechanics::MeshModel::make(fitted.model, sequences_[s].cloth);
       if (!bound) return tl::unexpected(bound.error());
-      append(histograms, strain_histograms(*bound, fitted.states[s]));
+      append(own, strain_histograms(*bound, fitted.states[s],
+                                    by_cost ? fitted.frame_costs[s] : std::vector<double>{}));
     }
+    merge_tied(terms, task_.ties, own);
+    return own;
+  }
+
+  /// The strains of the first fit's frames; a range that the document gives stays.
+  Expected<void> choose_ranges(const Fitted& fitted) {
+    const std::vector<model::Term>& terms = fitted.model.terms;
+    const auto strains = strains_of(fitted, false);
+    if (!strains) return tl::unexpected(strains.error());
     for (std::size_t t = 0; t < terms.size(); ++t) {
       if (!is_refined(terms[t]) || terms[t].law.range_hi > terms[t].law.range_lo) continue;
-      StrainHistogram all = histograms[t];
-      for (const auto& group : task_.ties) {
-        for (std::size_t other = 0; holds(group, terms[t]) && other < terms.size(); ++other)
-          if (other != t && holds(group, terms[other])) all.merge(histograms[other]);
-      }
-      auto [lo, hi] = all.range(options_.outliers);
+      auto [lo, hi] = (*strains)[t].range(options_.outliers);
       if (!(hi > lo)) hi = lo + 1e-6;
       ranges_.push_back({terms[t].id, lo, hi});
     }

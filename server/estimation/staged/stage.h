@@ -43,11 +43,12 @@ struct StageOptions {
   Weighting weighting = {};  ///< of rows in (3.6), where a stage has several sequences
   int most_frames = 0;       ///< of a sequence, evenly over it; 0: all, as of models that remember
   int most_points = 5;
-  double least_gain = 0.01;   ///< of (3.6), for one control point more
-  bool stop_at_noise = true;  ///< no point more where the rows' sigmas explain what is left of
-                              ///< (3.6), to two of its standard deviations
-  double outliers = 0.005;    ///< share of the area at each end of the strains
-  bool first_guess = true;    ///< by the equation gap
+  bool knots_from_data = false;  ///< where the residual asks for them (splines/knot_choice.h); even
+  double least_gain = 0.01;      ///< of (3.6), for one control point more
+  bool stop_at_noise = true;     ///< no point more where the rows' sigmas explain what is left of
+                                 ///< (3.6), to two of its standard deviations
+  double outliers = 0.005;       ///< share of the area at each end of the strains
+  bool first_guess = true;       ///< by the equation gap
   GapOptions gap;
   FitMethod method = FitMethod::bounded_marquardt;
   int max_iterations = 30;    ///< of each fit

@@ -136,6 +136,7 @@ estimation::StageOptions stage_options(const SheetFitOptions& asked, int threads
   options.threads = threads;
   options.channels = asked.channels;
   options.most_points = asked.max_control_points;
+  options.knots_from_data = asked.knots_from_data;
   options.first_guess = asked.first_guess;
   options.loss = asked.loss;
   options.tolerance_N = kTolerance_N;

@@ -24,6 +24,7 @@ constexpr Word<Role> kRoles[] = {{"stretch_u", Role::stretch_u}, {"stretch_v", R
                                  {"bend_v", Role::bend_v},       {"evaluation", Role::evaluation}};
 constexpr Word<bool> kStarts[] = {{"equation_gap", true}, {"model", false}};
 constexpr Word<bool> kGrids[] = {{"graded", true}, {"equal", false}};
+constexpr Word<bool> kKnots[] = {{"even", false}, {"data", true}};
 constexpr Word<Channels> kChannels[] = {{"thesis", Channels::thesis}, {"all", Channels::all}};
 constexpr Word<Loss> kLosses[] = {
     {"none", Loss::none}, {"huber", Loss::huber}, {"cauchy", Loss::cauchy}};
@@ -209,6 +210,7 @@ Expected<SheetFitOptions> read_sheet_options(const json& given,
   reader.word("start", kStarts, options.first_guess);
   reader.flag("staged", options.staged);
   reader.whole("max_control_points", 1, 12, options.max_control_points);
+  reader.word("knots", kKnots, options.knots_from_data);
   reader.word("channels", kChannels, options.channels);
   reader.roles(options.roles);
   reader.held_out(options.held_out);
@@ -250,6 +252,7 @@ json options_json(const SheetFitOptions& options) {
               {"start", word(kStarts, options.first_guess)},
               {"staged", options.staged},
               {"max_control_points", options.max_control_points},
+              {"knots", word(kKnots, options.knots_from_data)},
               {"channels", word(kChannels, options.channels)},
               {"roles", roles},
               {"held_out", options.held_out},

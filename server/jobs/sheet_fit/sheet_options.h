@@ -3,11 +3,11 @@
 //
 //   {"resolution": 25, "grid": "graded" | "equal", "points": 2000, "frames": 60, "start":
 //   "equation_gap" | "model", "staged": true,
-//    "max_control_points": 5, "channels": "thesis" | "all", "roles": {"<capture>": "stretch_u"},
-//    "held_out": ["<capture>"], "weights": {"<capture>": 2.0}, "robust": "none" | "huber" |
-//    "cauchy", "profiles": true, "sigma_m": 1e-4, "sigma_N": 0.003, "starts": 20, "seed": 1,
-//    "convex": "none" | "every_step" | "afterwards" | "by_construction", "samples": 3,
-//    "limits": true, "hold_unseen": "none" | "stand_in" | "start" | 2.6e-5,
+//    "max_control_points": 5, "knots": "even" | "data", "channels": "thesis" | "all", "roles":
+//    {"<capture>": "stretch_u"}, "held_out": ["<capture>"], "weights": {"<capture>": 2.0},
+//    "robust": "none" | "huber" | "cauchy", "profiles": true, "sigma_m": 1e-4, "sigma_N": 0.003,
+//    "starts": 20, "seed": 1, "convex": "none" | "every_step" | "afterwards" | "by_construction",
+//    "samples": 3, "limits": true, "hold_unseen": "none" | "stand_in" | "start" | 2.6e-5,
 //    "without_grid_error": true}
 //
 // All may be absent. Models of springs are simulated on equal cells in any case. A staged fit needs
@@ -45,6 +45,7 @@ struct SheetFitOptions {
   bool first_guess = true;
   bool staged = true;
   int max_control_points = 5;
+  bool knots_from_data = false;
   estimation::Channels channels = estimation::Channels::thesis;
   std::map<std::string, estimation::Role> roles;
   std::set<std::string> held_out;

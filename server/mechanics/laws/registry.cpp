@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The rows of the law catalogue: a name and how to make the law. A new law adds its file and one
 // row.
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <string_view>
 
+#include "common/model/catalogue.h"
 #include "server/mechanics/law.h"
 #include "server/mechanics/laws/dahl.h"
 #include "server/mechanics/laws/exponential_fibre.h"
@@ -27,7 +30,13 @@ LawPointer make_spline(const model::Law& d, int strains) {
   const int points = static_cast<int>(d.parameters.size());
   if (points < 1 || points > kMaxLawParameters) return nullptr;
   if (points > 1 && !(d.range_hi > d.range_lo)) return nullptr;
-  return std::make_shared<SplineLaw>(kForm, strains, points, d.range_lo, d.range_hi);
+  if (!d.knots.empty() && static_cast<int>(d.knots.size()) + 1 != model::spline_pieces(d, points))
+    return nullptr;
+  const std::vector<double> knots =
+      points > 1 ? model::spline_knots(d) : std::vector{d.range_lo, d.range_hi};
+  if (points > 1 && std::ranges::adjacent_find(knots, std::ranges::greater_equal{}) != knots.end())
+    return nullptr;
+  return std::make_shared<SplineLaw>(kForm, strains, points, knots, d.knots.empty());
 }
 
 LawPointer make_hermite_energy(const model::Law& d, int strains) {

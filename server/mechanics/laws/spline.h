@@ -7,7 +7,9 @@
 //   convex_spline      sigma = integral of E from 0, E(eps) = sum e_j B_j(eps) >= 0: the energy
 //                      is convex in the strain
 //
-// Control points are even over [range_lo, range_hi]; outside, the end value of k (of E) continues.
+// Pieces span the knots (model::spline_knots), even over [range_lo, range_hi] or as the document
+// has them; outside, the end value of k (of E) continues. Where knots are uneven, slopes of the
+// Hermite curve are the differences of its neighbours over their distance, one-sided at the ends.
 #pragma once
 
 #include "server/mechanics/law.h"
@@ -17,8 +19,9 @@ namespace tenter::mechanics {
 class SplineLaw final : public Law {
  public:
   enum class Form { hermite_stiffness, bspline_stiffness, convex };
-  /// range_lo < range_hi unless points == 1.
-  SplineLaw(Form form, int strains, int points, double range_lo, double range_hi);
+  /// `knots`: the ends of the pieces, rising (of one point two, which may be equal); `is_even`: by
+  /// their distance alone.
+  SplineLaw(Form form, int strains, int points, const std::vector<double>& knots, bool is_even);
   void evaluate(const LawInput& in, LawOutput& out) const override;
   void evaluate_batch(const double* parameters, const LawBatch& batch) const override;
   /// The stress of one basis function: the law is linear in its parameters.
@@ -59,13 +62,25 @@ class SplineLaw final : public Law {
   /// Integral of B(s) s^power from the first control point to the strain.
   double moment_from_lo(int basis, double strain, int power) const;
   int interval_of(double x) const;
+  /// i + t in piece i, beyond the ends with the width of the last one.
+  double coordinate(double strain) const {
+    if (is_even_) return (strain - lo_) / width_;
+    int i = 0;
+    while (i + 1 < intervals_ && strain >= start(i + 1)) ++i;
+    return i + (strain - start(i)) / width(i);
+  }
+  /// Of interval -1, 0, ..., intervals_: the first and the last are beyond the knots.
+  double start(int interval) const { return starts_[static_cast<std::size_t>(interval + 1)]; }
+  double width(int interval) const { return widths_[static_cast<std::size_t>(interval + 1)]; }
   Basis evaluate_basis(int basis, double strain) const;
 
   Form form_;
   int points_;
   int intervals_;
   double lo_;
-  double width_;  ///< of one interval
+  double width_;  ///< of one interval, where all are alike
+  bool is_even_;
+  std::vector<double> starts_, widths_;
   std::vector<Piece> pieces_;
   std::vector<double> moment_at_zero_[2];
 };

@@ -21,7 +21,8 @@ void SplineLaw::build_curves(const double* parameters, Curve* curves) const {
   for (int i = -1; i <= intervals_; ++i) {
     const bool inside = i >= 0 && i < intervals_;
     Curve& curve = curves[i + 1];
-    const double start = lo_ + i * width_;
+    const double from = start(i);
+    const double wide = width(i);
     double v[4] = {0.0, 0.0, 0.0, 0.0};
     double moment[2] = {0.0, 0.0};
     for (int j = 0; j < points_; ++j) {
@@ -36,10 +37,10 @@ void SplineLaw::build_curves(const double* parameters, Curve* curves) const {
     double m0[6] = {};
     double m1[6] = {};
     for (int k = 0; k < 4; ++k) {
-      const double c = v[k] * width_;
+      const double c = v[k] * wide;
       m0[k + 1] = c / (k + 1);
-      m1[k + 1] += c * start / (k + 1);
-      m1[k + 2] += c * width_ / (k + 2);
+      m1[k + 1] += c * from / (k + 1);
+      m1[k + 2] += c * wide / (k + 2);
     }
     if (i < 0) {  // ends where the moments begin
       moment[0] = -m0[1];
@@ -62,14 +63,15 @@ void SplineLaw::build_curves(const double* parameters, Curve* curves) const {
     for (int k = 0; k < 6; ++k) curve.energy[k] = m1[k];
     if (form_ != Form::convex) continue;
     for (int k = 0; k < 6; ++k)
-      curve.energy[k] = start * m0[k] + (k > 0 ? width_ * m0[k - 1] : 0.0) - m1[k];
+      curve.energy[k] = from * m0[k] + (k > 0 ? wide * m0[k - 1] : 0.0) - m1[k];
   }
 }
 
 void SplineLaw::evaluate_batch(const double* parameters, const LawBatch& batch) const {
   Curve curves[kMaxLawParameters + 2];
   build_curves(parameters, curves);
-  const double per_width = 1.0 / width_;
+  double per_width[kMaxLawParameters + 2];
+  for (int i = -1; i <= intervals_; ++i) per_width[i + 1] = 1.0 / width(i);
   const double last = intervals_;
   if (batch.energy != nullptr) std::fill_n(batch.energy, batch.count, 0.0);
   const bool wants_tangent = batch.tangent[0][0] != nullptr;
@@ -79,8 +81,7 @@ void SplineLaw::evaluate_batch(const double* parameters, const LawBatch& batch) 
     double* __restrict tangent = wants_tangent ? batch.tangent[i][i] : nullptr;
     for (int e = 0; e < batch.count; ++e) {
       const double eps = strain[e];
-      const double x =
-          (eps - lo_) / width_;  // divided, so that an end is the same end as in evaluate()
+      const double x = coordinate(eps);  // as in evaluate(), so that an end is the same end
       // in this order an x that is no number has a place, and gives no number
       const double within = std::max(0.0, std::min(last, x));
       int interval = std::min(static_cast<int>(within), intervals_ - 1);
@@ -96,7 +97,7 @@ void SplineLaw::evaluate_batch(const double* parameters, const LawBatch& batch) 
         if (wants_tangent) tangent[e] = value;
       } else {
         stress[e] = value * eps;
-        const double slope = (v[1] + t * (2.0 * v[2] + 3.0 * t * v[3])) * per_width;
+        const double slope = (v[1] + t * (2.0 * v[2] + 3.0 * t * v[3])) * per_width[interval + 1];
         if (wants_tangent) tangent[e] = value + slope * eps;
       }
       if (batch.energy == nullptr) continue;

@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
   estimation::StagedOptions options;
   options.stage.threads = 2;
   options.early_frames = 20;
-  std::string fabric = "18", form = "cloth_stvk_spline", law;
+  std::string fabric = "18", form = "cloth_stvk_spline", law, knots = "even";
   bool is_verbose = false;
   CLI::App app("The staged fit of one twin fabric: time, what each stage did, memory.");
   bench::add_rig_options(app, rig);
@@ -41,8 +41,12 @@ int main(int argc, char** argv) {
   app.add_option("--law", law, "Of its curves: hermite_stiffness, bspline_stiffness, ...");
   app.add_option("--points", options.stage.most_points, "Control points at most.")
       ->capture_default_str();
+  app.add_option("--knots", knots, "At even strains, or where the data ask for them.")
+      ->check(CLI::IsMember({"even", "data"}))
+      ->capture_default_str();
   app.add_flag("--verbose", is_verbose, "Say what each stage is doing.");
   CLI11_PARSE(app, argc, argv);
+  options.stage.knots_from_data = knots == "data";
   auto before = Clock::now();
   const auto measured = bench::fitting_sequences(fabric, rig);
   std::printf("#%s, %d x %d nodes, %d frames a sequence: measured in %.1f s\n", fabric.c_str(),
@@ -83,6 +87,8 @@ int main(int argc, char** argv) {
   }
   for (const model::Term& term : fit->model.terms) {
     std::printf("%-14s [%.4g, %.4g]", term.id.c_str(), term.law.range_lo, term.law.range_hi);
+    for (const double knot : term.law.knots) std::printf(" %.3g", knot);
+    if (!term.law.knots.empty()) std::printf(" |");
     for (const model::Parameter& p : term.law.parameters) std::printf("  %.4g", p.value);
     std::printf("\n");
   }

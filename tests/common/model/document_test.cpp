@@ -218,6 +218,38 @@ TEST(ModelDocument, ALimitOnAllTermsOfASolidIsKeptAsOne) {
   EXPECT_EQ(write_model(*again), text);
 }
 
+TEST(ModelDocument, KnotsOfASplineAreReadAndWritten) {
+  const auto with = [](const char* law) {
+    return parse_model(
+        R"({"schema": "tenter.model", "version": 1, "name": "m", "terms": [{"id": "a",
+      "strain": {"name": "green_u"}, "law": )" +
+            std::string(law) + "}]}",
+        "m");
+  };
+  const auto model = with(R"({"name": "bspline_stiffness", "range": [0, 0.4],
+      "knots": [0.1, 0.35], "parameters": {"k1": 1, "k2": 2, "k3": 3, "k4": 4, "k5": 5, "k6": 6}})");
+  ASSERT_TRUE(model) << model.error().message;
+  EXPECT_EQ(model->terms[0].law.knots, (std::vector<double>{0.1, 0.35}));
+  const auto again = parse_model(write_model(*model), "again");
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->terms[0].law.knots, model->terms[0].law.knots);
+  EXPECT_EQ(spline_knots(again->terms[0].law), (std::vector<double>{0.0, 0.1, 0.35, 0.4}));
+  const auto complaint = [&](const char* law) {
+    const auto refused = with(law);
+    return refused ? std::string("taken") : refused.error().message;
+  };
+  EXPECT_EQ(complaint(R"({"name": "linear", "knots": [0.1]})"),
+            "m: terms[0].law.knots: only stiffness splines have knots");
+  EXPECT_EQ(
+      complaint(R"({"name": "hermite_stiffness", "range": [0, 1], "knots": [0.1, 0.2],
+                          "parameters": {"k1": 1, "k2": 2, "k3": 3}})"),
+      "m: terms[0].law.knots: has 2, but hermite_stiffness with 3 control points has 1 inside "
+      "its range");
+  EXPECT_EQ(complaint(R"({"name": "hermite_stiffness", "range": [0, 1], "knots": [1],
+                          "parameters": {"k1": 1, "k2": 2, "k3": 3}})"),
+            "m: terms[0].law.knots: must rise, and lie inside the range");
+}
+
 TEST(ModelDocument, ErrorsNameThePathOfTheKey) {
   const struct {
     std::string text;

@@ -172,6 +172,13 @@ TEST(LawBatch, AnswersAsEveryLawOfTheCatalogueDoes) {
         for (model::Parameter& p : description.parameters)
           if (row.spline) p.value = numbers.between(0.0, 400.0);
         compare(description, strains, numbers);
+        if (model::may_have_knots(description) && points > 4) {
+          const int pieces = model::spline_pieces(description, points);
+          for (int k = 1; k < pieces; ++k)
+            description.knots.push_back(-0.02 + 0.12 * std::pow(1.0 * k / pieces, 1.7));
+          compare(description, strains, numbers);
+          description.knots.clear();
+        }
         if (row.path_dependent) compare_with_a_past(description, strains, numbers);
       }
     }

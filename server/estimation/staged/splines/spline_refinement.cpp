@@ -12,6 +12,7 @@ namespace {
 
 model::Law sized(const model::Law& law, int points, double value) {
   model::Law result = law;
+  result.knots.clear();
   model::Parameter first = law.parameters.front();
   first.std_error.reset();
   first.interval_lo.reset();
@@ -48,17 +49,20 @@ bool is_spline(const model::Law& law) {
          row->parameters.front().per_strain == 2;
 }
 
-Expected<model::Law> with_points(const model::Law& law, int points) {
-  return nearest_curve(law, law.name, points);
+Expected<model::Law> with_points(const model::Law& law, int points,
+                                 const std::vector<double>& knots) {
+  return nearest_curve(law, law.name, points, knots);
 }
 
-Expected<model::Law> nearest_curve(const model::Law& law, const std::string& name, int points) {
+Expected<model::Law> nearest_curve(const model::Law& law, const std::string& name, int points,
+                                   const std::vector<double>& knots) {
   model::Law result = law;
   result.name = name;
   for (const model::Law* of : {&law, static_cast<const model::Law*>(&result)})
     if (!is_spline(*of))
       return fail(ErrorKind::refused, "the law \"" + of->name + "\" is no stiffness spline");
   result = sized(result, points, law.parameters.front().value);
+  result.knots = knots;
   const auto before = mechanics::make_law(law, 1);
   const auto after = mechanics::make_law(result, 1);
   if (!before) return tl::unexpected(before.error());

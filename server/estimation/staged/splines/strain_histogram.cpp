@@ -40,16 +40,18 @@ std::vector<double> StrainHistogram::bins(double lo, double hi, int count) const
 }
 
 std::vector<StrainHistogram> strain_histograms(const mechanics::MeshModel& model,
-                                               const std::vector<mechanics::State>& states) {
+                                               const std::vector<mechanics::State>& states,
+                                               const std::vector<double>& weights) {
   std::vector<StrainHistogram> result(static_cast<std::size_t>(model.term_count()));
   std::vector<mechanics::TermStrains> strains;
-  for (const mechanics::State& state : states) {
-    if (model.term_strains(state.x, strains) != mechanics::AssemblyStatus::ok) continue;
+  for (std::size_t s = 0; s < states.size(); ++s) {
+    const double weight = weights.empty() ? 1.0 : weights[s];
+    if (model.term_strains(states[s].x, strains) != mechanics::AssemblyStatus::ok) continue;
     for (const mechanics::TermStrains& of_term : strains) {
       const auto per = static_cast<std::size_t>(of_term.strains);
       for (std::size_t k = 0; k < of_term.strain.size(); ++k)
         result[static_cast<std::size_t>(of_term.term)].add(of_term.strain[k],
-                                                           of_term.measure[k / per]);
+                                                           weight * of_term.measure[k / per]);
     }
   }
   for (StrainHistogram& histogram : result) histogram.sort();
@@ -59,6 +61,21 @@ std::vector<StrainHistogram> strain_histograms(const mechanics::MeshModel& model
 void append(std::vector<StrainHistogram>& to, const std::vector<StrainHistogram>& from) {
   if (to.size() < from.size()) to.resize(from.size());
   for (std::size_t t = 0; t < from.size(); ++t) to[t].merge(from[t]);
+}
+
+void merge_tied(const std::vector<model::Term>& terms,
+                const std::vector<std::vector<std::string>>& groups,
+                std::vector<StrainHistogram>& of_terms) {
+  for (const auto& group : groups) {
+    std::vector<std::size_t> members;
+    StrainHistogram all;
+    for (std::size_t t = 0; t < terms.size(); ++t)
+      if (std::find(group.begin(), group.end(), terms[t].id) != group.end()) {
+        members.push_back(t);
+        all.merge(of_terms[t]);
+      }
+    for (const std::size_t t : members) of_terms[t] = all;
+  }
 }
 
 }  // namespace tenter::estimation

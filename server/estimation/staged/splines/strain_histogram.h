@@ -10,6 +10,7 @@
 // together: laws have the same curve for each. Pure; cost of a sort.
 #pragma once
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -39,11 +40,18 @@ class StrainHistogram {
   double weight_ = 0.0;
 };
 
-/// One for each term, sorted; states in which a strain is not finite are left out.
+/// One for each term, sorted; states in which a strain is not finite are left out. `weights`: of
+/// the states, beside the areas; empty: 1 each.
 std::vector<StrainHistogram> strain_histograms(const mechanics::MeshModel& model,
-                                               const std::vector<mechanics::State>& states);
+                                               const std::vector<mechanics::State>& states,
+                                               const std::vector<double>& weights = {});
 
 /// The same over sequences on meshes of their own.
 void append(std::vector<StrainHistogram>& to, const std::vector<StrainHistogram>& from);
+
+/// Terms of a group (by their ids) get the strains of all of it: they share a curve.
+void merge_tied(const std::vector<model::Term>& terms,
+                const std::vector<std::vector<std::string>>& groups,
+                std::vector<StrainHistogram>& of_terms);
 
 }  // namespace tenter::estimation

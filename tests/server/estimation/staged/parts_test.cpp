@@ -9,6 +9,7 @@
 #include "common/model/presets.h"
 #include "server/estimation/least_squares/bounded_least_squares.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
+#include "server/estimation/staged/splines/knot_choice.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/staged/splines/strain_histogram.h"
 #include "server/mechanics/law.h"
@@ -88,7 +89,7 @@ TEST(ParameterTies, SaysWhatCannotBeTied) {
             "the term \"warp\" is tied twice");
   EXPECT_EQ(tie_terms(model, {{"weft", "shear"}}).error().message,
             "the terms \"weft\" and \"shear\" cannot share a curve: their laws differ in name, "
-            "range or size");
+            "range, knots or size");
 }
 
 TEST(StrainHistogram, QuantilesCountAreaAndLeaveOutliersOut) {
@@ -147,6 +148,51 @@ TEST(SplineRefinement, KeepsTheCurveOfABSpline) {
       curve.parameters[k].value *= 1.0 + 0.3 * static_cast<double>(k);  // no constant any more
   }
   EXPECT_FALSE(with_points(model::preset("cloth_stvk")->terms[0].law, 3));
+}
+
+TEST(SplineRefinement, AKnotMoreKeepsTheCurveOfABSplineOnUnevenKnots) {
+  model::Law law = model::preset("cloth_stvk_spline")->terms[0].law;
+  law.range_lo = 0.0;
+  law.range_hi = 0.1;
+  model::Law curve = with_points(law, 5, {0.07}).value();
+  for (std::size_t k = 0; k < 5; ++k)
+    curve.parameters[k].value = 40.0 + 35.0 * static_cast<double>(k * k);
+  const model::Law finer = with_points(curve, 6, {0.07, 0.09}).value();
+  EXPECT_EQ(finer.knots, (std::vector<double>{0.07, 0.09}));
+  for (const double strain : {-0.01, 0.02, 0.0712, 0.088, 0.093, 0.11})
+    EXPECT_NEAR(stress(finer, strain), stress(curve, strain), 1e-9 * 600.0 * 0.1) << strain;
+  // another curve than the even one, and back to even knots it is only near
+  model::Law even = curve;
+  even.knots.clear();
+  EXPECT_GT(std::abs(stress(even, 0.05) - stress(curve, 0.05)), 0.01 * stress(curve, 0.05));
+  EXPECT_TRUE(with_points(curve, 3)->knots.empty());
+  EXPECT_FALSE(with_points(curve, 6, {0.07}));        // one is missing
+  EXPECT_FALSE(with_points(curve, 6, {0.09, 0.07}));  // falling
+  EXPECT_FALSE(with_points(curve, 6, {0.07, 0.1}));   // at the end
+}
+
+TEST(KnotChoice, IsWhereTheCostIs) {
+  model::Law law = model::preset("cloth_stvk_spline")->terms[0].law;
+  law.name = "hermite_stiffness";
+  law.range_lo = 0.0;
+  law.range_hi = 1.0;
+  law = as_constant(law);
+  StrainHistogram left;  // nothing below 0.6, then even
+  for (int k = 0; k < 1000; ++k) left.add(0.001 * k, k < 600 ? 0.0 : 1.0);
+  left.sort();
+  const std::vector<double> one = inner_knots(law, 3, left);
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_NEAR(one[0], 0.8, 0.02);
+  const model::Law three = with_points(law, 3, one).value();
+  const std::vector<double> three_knots = inner_knots(three, 5, left);
+  ASSERT_EQ(three_knots.size(), 3U);
+  EXPECT_EQ(three_knots[1], one[0]);  // those that are there stay
+  EXPECT_NEAR(three_knots[0], 0.7, 0.02);
+  EXPECT_NEAR(three_knots[2], 0.9, 0.02);
+  EXPECT_EQ(inner_knots(law, 3, StrainHistogram{}), (std::vector<double>{0.5}));
+  law.name = "bspline_stiffness";
+  EXPECT_TRUE(inner_knots(law, 4, left).empty());
+  EXPECT_EQ(inner_knots(law, 5, left).size(), 1U);
 }
 
 }  // namespace

@@ -51,6 +51,11 @@ Expected<Capture> with_runs(Capture capture, const std::vector<int>& numbers) {
   for (std::size_t f = 0; f < capture.frame_count(); ++f)
     if (index[static_cast<std::size_t>(capture.run[f])] >= 0) frames.push_back(f);
   if (frames.empty()) return bad_input("no run is left");
+  if (runs.size() < capture.runs.size()) {
+    capture.title += runs.size() == 1 ? ", run " : ", runs ";
+    for (std::size_t r = 0; r < runs.size(); ++r)
+      capture.title += (r > 0 ? ", " : "") + std::to_string(runs[r].number);
+  }
   capture.runs = std::move(runs);
   keep(frames, 1, capture.run);
   for (int& run : capture.run) run = index[static_cast<std::size_t>(run)];

@@ -4,8 +4,8 @@
 //
 //   auto fitted = with_runs(capture, {2, 3, 4});      // numbers as in the source, in any order
 //
-// All that is over frames is cut; the rest stays, and so do places in the material that were read
-// from all runs. Linear in what the capture holds.
+// All that is over frames is cut, and the title says which runs are left; the rest stays, and so do
+// places in the material that were read from all runs. Linear in what the capture holds.
 #pragma once
 
 #include <vector>

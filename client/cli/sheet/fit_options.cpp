@@ -145,6 +145,9 @@ void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft) {
                   "what is left of the errors asks for them (data). Default: even.")
       ->type_name("WORD")
       ->check(CLI::IsMember({"even", "data"}));
+  command.add_flag("--keep-points", draft.keep_points,
+                   "Sheets, with --at-once: fit curves with the control points that the model "
+                   "gives, instead of beginning with one.");
   command
       .add_option(
           "--start", draft.start,
@@ -197,6 +200,7 @@ Expected<void> complete_options(const SheetFitDraft& draft, const std::vector<st
   if (draft.frames >= 0) options["frames"] = draft.frames;
   if (draft.max_control_points >= 0) options["max_control_points"] = draft.max_control_points;
   if (!draft.knots.empty()) options["knots"] = draft.knots;
+  if (draft.keep_points) options["keep_points"] = true;
   if (!draft.start.empty()) options["start"] = draft.start;
   if (!draft.channels.empty()) options["channels"] = draft.channels;
   if (!draft.robust.empty()) options["robust"] = draft.robust;

@@ -29,6 +29,7 @@ struct SheetFitDraft {
   int frames = -1;
   int max_control_points = -1;
   std::string knots;
+  bool keep_points = false;
   std::string start;
   std::string channels;
   std::string robust;

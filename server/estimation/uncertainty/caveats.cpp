@@ -140,9 +140,12 @@ std::vector<Caveat> caveats(const model::Model& model, const FitResult& found,
   add_ranges(list, model);
   for (const DroppedFrames& frames : dropped)
     if (!frames.frames.empty()) {
+      constexpr std::size_t kNamed = 12;
       std::string which;
-      for (const int frame : frames.frames)
-        which += (which.empty() ? "" : ", ") + std::to_string(frame);
+      for (std::size_t i = 0; i < std::min(kNamed, frames.frames.size()); ++i)
+        which += (i == 0 ? "" : ", ") + std::to_string(frames.frames[i]);
+      if (frames.frames.size() > kNamed)
+        which += " and " + std::to_string(frames.frames.size() - kNamed) + " more";
       add(list, CaveatKind::dropped_frames, frames.name,
           std::to_string(frames.frames.size()) + " frames of " + frames.name + " took no part (" +
               frames.why + "): " + which);

@@ -41,8 +41,10 @@ std::vector<RoleSequence> fitted_sequences(const std::vector<SheetInput>& inputs
 }
 
 /// All curves and sequences in one stage.
-StageTask single_stage(const model::Model& model, std::vector<RoleSequence> measured) {
+StageTask single_stage(const model::Model& model, std::vector<RoleSequence> measured,
+                       bool keep_points) {
   StageTask task;
+  task.refine = !keep_points;
   task.name = "all";
   for (const model::Term& term : model.terms) task.terms.push_back(term.id);
   task.sequences = std::move(measured);
@@ -50,11 +52,11 @@ StageTask single_stage(const model::Model& model, std::vector<RoleSequence> meas
 }
 
 Expected<StagedResult> fit_at_once(const model::Model& start, std::vector<RoleSequence> measured,
-                                   const StagedOptions& options) {
+                                   const StagedOptions& options, bool keep_points) {
   StagedResult result;
   result.model = start;
-  auto record =
-      estimation::fit_stage(result.model, single_stage(start, std::move(measured)), options.stage);
+  auto record = estimation::fit_stage(
+      result.model, single_stage(start, std::move(measured), keep_points), options.stage);
   if (!record) return tl::unexpected(record.error());
   result.stopped = record->stopped;
   result.stages.push_back(std::move(*record));
@@ -181,7 +183,7 @@ Expected<StagedResult> run_stages(const JobInput& input, SheetFindings& found, i
   if (before) options.resume = &*before;
   auto fit = found.options.staged ? estimation::staged_fit(found.start, measured, options)
              : before             ? Expected<StagedResult>(*before)
-                                  : fit_at_once(found.start, measured, options);
+                      : fit_at_once(found.start, measured, options, found.options.keep_points);
   if (!fit) return tl::unexpected(fit.error());
   if (fit->stopped || stop.stop_requested())
     return fail(ErrorKind::cancelled, "the fit was stopped");

@@ -211,6 +211,7 @@ Expected<SheetFitOptions> read_sheet_options(const json& given,
   reader.flag("staged", options.staged);
   reader.whole("max_control_points", 1, 12, options.max_control_points);
   reader.word("knots", kKnots, options.knots_from_data);
+  reader.flag("keep_points", options.keep_points);
   reader.word("channels", kChannels, options.channels);
   reader.roles(options.roles);
   reader.held_out(options.held_out);
@@ -232,6 +233,8 @@ Expected<SheetFitOptions> read_sheet_options(const json& given,
   reader.refuse_others();
   if (given.is_object() && given.contains("seed") && options.starts == 0)
     reader.complain("seed", "there are no starts that it would choose");
+  if (options.keep_points && options.staged)
+    reader.complain("keep_points", "only of a fit of all curves at once: stages begin with one");
   if (reader.complaint().empty()) check_roles(options, captures, reader);
   if (!reader.complaint().empty()) return bad_input(reader.complaint());
   return options;
@@ -253,6 +256,7 @@ json options_json(const SheetFitOptions& options) {
               {"staged", options.staged},
               {"max_control_points", options.max_control_points},
               {"knots", word(kKnots, options.knots_from_data)},
+              {"keep_points", options.keep_points},
               {"channels", word(kChannels, options.channels)},
               {"roles", roles},
               {"held_out", options.held_out},

@@ -3,7 +3,8 @@
 //
 //   {"resolution": 25, "grid": "graded" | "equal", "points": 2000, "frames": 60, "start":
 //   "equation_gap" | "model", "staged": true,
-//    "max_control_points": 5, "knots": "even" | "data", "channels": "thesis" | "all", "roles":
+//    "max_control_points": 5, "knots": "even" | "data",
+//    "keep_points": false, "channels": "thesis" | "all", "roles":
 //    {"<capture>": "stretch_u"}, "held_out": ["<capture>"], "weights": {"<capture>": 2.0},
 //    "robust": "none" | "huber" | "cauchy", "profiles": true, "sigma_m": 1e-4, "sigma_N": 0.003,
 //    "starts": 20, "seed": 1, "convex": "none" | "every_step" | "afterwards" | "by_construction",
@@ -46,6 +47,7 @@ struct SheetFitOptions {
   bool staged = true;
   int max_control_points = 5;
   bool knots_from_data = false;
+  bool keep_points = false;  ///< curves keep the control points of the model
   estimation::Channels channels = estimation::Channels::thesis;
   std::map<std::string, estimation::Role> roles;
   std::set<std::string> held_out;

@@ -156,6 +156,7 @@ TEST(RunSelection, KeepsWhatBelongsToTheRuns) {
   ASSERT_TRUE(second) << message_of(second);
   EXPECT_EQ(second->runs.size(), 1U);
   EXPECT_EQ(second->runs[0].number, 5);
+  EXPECT_EQ(second->title, "A sheet, run 5");
   EXPECT_EQ(second->run, (std::vector<int>{0, 0}));
   EXPECT_EQ(second->frame, (std::vector<int>{1, 7}));
   EXPECT_EQ(second->time_s, (std::vector<double>{0.0, 1.0 / 3.0}));

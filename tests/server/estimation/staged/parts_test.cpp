@@ -2,16 +2,19 @@
 // What staged fits are made of: bounded least squares, ties, strain histograms, finer splines.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "common/model/catalogue.h"
+#include "common/model/document.h"
 #include "common/model/presets.h"
 #include "server/estimation/least_squares/bounded_least_squares.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
 #include "server/estimation/staged/splines/knot_choice.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/staged/splines/strain_histogram.h"
+#include "server/estimation/staged/stage.h"
 #include "server/mechanics/law.h"
 #include "tests/server/estimation/staged/small_rig.h"
 #include "tests/server/estimation/whole_differences.h"
@@ -193,6 +196,43 @@ TEST(KnotChoice, IsWhereTheCostIs) {
   law.name = "bspline_stiffness";
   EXPECT_TRUE(inner_knots(law, 4, left).empty());
   EXPECT_EQ(inner_knots(law, 5, left).size(), 1U);
+}
+
+TEST(KnotChoice, KnotsGoWhereTheCurveBends) {
+  model::Model truth = curved_cloth();
+  model::Law& weft = truth.terms[0].law;
+  weft.name = "hermite_stiffness";
+  weft.parameters.resize(4);
+  weft.knots = {0.018, 0.026};  // stiffens between these
+  for (std::size_t k = 0; k < 4; ++k) weft.parameters[k].value = k < 2 ? 40.0 : 140.0;
+  RigOptions rig;
+  rig.frames = 24;
+  rig.noise = 0.0;
+  const RoleSequence pulled = measured_in_rig(Role::stretch_u, truth, rig);
+  double cost[2];
+  for (const bool from_data : {false, true}) {
+    model::Model model = truth;
+    weft = as_constant(weft);
+    model.terms[0].law = weft;
+    model.terms[0].law.range_lo = model.terms[0].law.range_hi = 0.0;
+    StageOptions options;
+    options.most_points = 6;
+    options.knots_from_data = from_data;
+    const auto record = fit_stage(model, {"stretch_u", {"weft"}, {}, {pulled}}, options);
+    ASSERT_TRUE(record) << record.error().message;
+    ASSERT_TRUE(record->done) << record->message;
+    cost[from_data ? 1 : 0] = record->cost_after / record->rows;
+    const model::Law& found = model.terms[0].law;
+    EXPECT_EQ(found.knots.empty(), !from_data);
+    if (!from_data) continue;
+    ASSERT_GE(found.knots.size(), 2U);
+    EXPECT_TRUE(std::any_of(found.knots.begin(), found.knots.end(),
+                            [](double knot) { return knot > 0.014 && knot < 0.030; }));
+    EXPECT_EQ(model::write_model(model::parse_model(model::write_model(model), "again").value()),
+              model::write_model(model));
+  }
+  EXPECT_GT(cost[0], 1.0);  // the even one is off by more than the noise
+  EXPECT_LT(cost[1], 0.5 * cost[0]);
 }
 
 }  // namespace

@@ -313,6 +313,16 @@ TEST(FitRequests, WhatDoesNotGoTogetherIsRefusedAtTheDoorInOneSentence) {
     EXPECT_EQ(checked.error().message.substr(0, words.size()), words);
   }
   EXPECT_FALSE(read_sheet_options({{"staged", false}, {"seed", 3}}, {"x"}));
+  json curves = {{"staged", false}, {"keep_points", true}, {"knots", "data"}, {"frames", 30}};
+  const auto taken = read_sheet_options(curves, {"x"});
+  ASSERT_TRUE(taken) << taken.error().message;
+  EXPECT_TRUE(taken->keep_points && taken->knots_from_data);
+  EXPECT_EQ(options_json(*taken)["knots"], "data");
+  EXPECT_EQ(options_json(*taken)["frames"], 30);
+  curves.update(json{{"staged", true}, {"roles", {{"x", "stretch_u"}}}});
+  const auto refused = read_sheet_options(curves, {"x"});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message.substr(0, 20), "options.keep_points:");
 }
 
 }  // namespace

@@ -78,6 +78,9 @@ class Law {
   virtual StateKind state_kind(int) const { return StateKind::memory; }
   /// Answers to nothing but the rate (strain - state)/duration.
   virtual bool is_rate() const { return false; }
+  /// The tangent jumps where a strain is what it was at the start of the step, which is a state
+  /// variable for each.
+  virtual bool turns_round() const { return false; }
   /// Zeroes the part of `out` that belongs to this law's strains, parameters and states.
   void clear(LawOutput& out) const;
   /// `out` must have been cleared or zeroed; the law writes what differs from zero.

@@ -68,7 +68,10 @@ class ElementGroup final : public MeshModel::Group {
         LawBatch batch = chunk.batch(count, output.energy != nullptr, output.stiffness != nullptr);
         term.start_from(history, first, batch);
         term.strain->strains(chunk.z, first, count, chunk.strain);
-        term.law->evaluate_batch(parameters + term.first_parameter, batch);
+        if (history && history->is_ahead && term.law->turns_round())
+          term.evaluate_ahead(parameters, *history, first, batch);
+        else
+          term.law->evaluate_batch(parameters + term.first_parameter, batch);
         const double* measure = term.measure.data() + first;
         if (output.energy)
           for (int e = 0; e < count; ++e) *output.energy += measure[e] * chunk.energy[e];

@@ -29,6 +29,10 @@ struct GroupTerm {
     for (int s = 0; s < law->state_count(); ++s)
       batch.state[s] = state + first_state + s * elements + first;
   }
+
+  /// The law's linearisation at the strains of `history.ahead`, at those of the batch.
+  void evaluate_ahead(const double* parameters, const History& history, int first,
+                      LawBatch& batch) const;
 };
 
 /// An energy limit on the elements of a group.

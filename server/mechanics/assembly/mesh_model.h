@@ -91,6 +91,8 @@ class MeshModel {
 
   /// Numbers in a History's state; 0 where no law remembers anything.
   int history_count() const { return history_count_; }
+  /// Whether a law's tangent jumps where a strain turns round (law.h).
+  bool turns_round() const { return turns_round_; }
   History never_strained() const { return {Eigen::VectorXd::Zero(history_count_), 0.0}; }
   /// The state at the end of the step from `history` to x; may be that of `history` itself.
   [[nodiscard]] AssemblyStatus end_of_step(const Eigen::VectorXd& x,
@@ -147,6 +149,7 @@ class MeshModel {
   int term_count_ = 0;
   int history_count_ = 0;
   int limited_count_ = 0;
+  bool turns_round_ = false;
   std::vector<LimitedElements> limited_;
   NodeMatrix matrix_;
   std::vector<std::shared_ptr<const Group>> groups_;

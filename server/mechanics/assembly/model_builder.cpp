@@ -37,6 +37,7 @@ Expected<void> MeshModel::Builder::add(const model::Term& term, std::vector<Part
     part.group->terms.push_back({std::move(part.strain), *law, result_.term_count_,
                                  result_.parameter_count_, result_.history_count_,
                                  std::move(part.measure)});
+    result_.turns_round_ = result_.turns_round_ || (*law)->turns_round();
     result_.history_count_ += (*law)->state_count() * elements;
   }
   ++result_.term_count_;

@@ -137,6 +137,7 @@ Expected<StepResult> TimeStepper::step(const Eigen::VectorXd& parameters, const 
 
 bool TimeStepper::start_history(const Eigen::VectorXd& parameters, double duration_s,
                                 Motion& motion) {
+  has_path_ = false;
   if (model_->history_count() == 0) return true;
   if (motion.history.size() == 0) {
     if (model_->end_of_step(motion.at.x, parameters, model_->never_strained(), motion.history) !=
@@ -146,6 +147,12 @@ bool TimeStepper::start_history(const Eigen::VectorXd& parameters, double durati
   }
   history_.state = motion.history;
   history_.duration_s = duration_s;
+  has_path_ = model_->turns_round() && motion.last_step_s > 0.0 &&
+              motion.last_history.size() == motion.history.size();
+  if (has_path_) {
+    const double share = duration_s / motion.last_step_s;
+    history_.ahead = (1.0 + share) * motion.history - share * motion.last_history;
+  }
   history_.rate_duration_s = start_.last_share > 0.0 ? start_.h_s : 0.0;
   if (start_.last_share > 0.0)
     history_.rate_state =
@@ -180,13 +187,12 @@ void TimeStepper::solve(const Potential& potential, const StepOptions& options,
   work_.trial_state = end_;
   for (const int node : unknowns_->free_nodes())
     work_.trial_state.x.segment<3>(3 * static_cast<Eigen::Index>(node)) =
-        start_.guess_m.segment<3>(3 * static_cast<Eigen::Index>(node));
-  if (potential.longest_fraction(end_, work_.trial_state) == 1.0 &&
-      potential.energy_J(work_.trial_state) < potential.energy_J(end_))
-    std::swap(end_, work_.trial_state);
-  else if (added_.self_contact)
+        start_.begin_m.segment<3>(3 * static_cast<Eigen::Index>(node));
+  double energy_J = potential.energy_J(end_);
+  if (!take_if_lower(potential, energy_J) && added_.self_contact)
     added_.self_contact->begin(end_.x);
   result.evaluations += 2;
+  if (has_path_) look_ahead(potential, energy_J, result);
   MinimiseOptions how;
   how.tolerance_N = options.tolerance_N;
   how.max_iterations = options.max_iterations;
@@ -204,6 +210,44 @@ void TimeStepper::solve(const Potential& potential, const StepOptions& options,
     rounds_.press_harder(*model_, potential.parameters, end_.x, tolerance, before,
                          result.violation);
   }
+}
+
+// At the guess strains are off by many times what they change by in a step, which is nothing to an
+// elastic law, but turns friction round. So the first step is one of a law without kinks: the
+// linearisation of friction where the strains would be if they went on as they went.
+void TimeStepper::look_ahead(const Potential& potential, double energy_J, StepResult& result) {
+  constexpr double kLeastShare = 0.05;
+  PotentialValue& value = work_.current;
+  history_.is_ahead = true;
+  FactorStatus status = FactorStatus::not_positive_definite;
+  const double first_share = ahead_share_ > kLeastShare ? ahead_share_ : 0.0;
+  for (const double share : {first_share, 1.0}) {
+    ++result.evaluations;
+    if (!potential.evaluate_with_stiffness(end_, share, value)) break;
+    ++result.factorisations;
+    status = factor_->factorize(value.stiffness.data());
+    ahead_share_ = 0.25 * share;
+    if (status != FactorStatus::not_positive_definite) break;
+  }
+  history_.is_ahead = false;
+  if (status != FactorStatus::ok) return;
+  ++result.iterations;
+  work_.step.resize(unknowns_->count());
+  factor_->solve(value.by_unknown.data(), work_.step.data(), 1);
+  work_.step = -work_.step;
+  unknowns_->move(end_, work_.step, 1.0, work_.trial_state);
+  ++result.evaluations;
+  if (!take_if_lower(potential, energy_J) && added_.self_contact)
+    added_.self_contact->begin(end_.x);
+}
+
+bool TimeStepper::take_if_lower(const Potential& potential, double& energy_J) {
+  if (potential.longest_fraction(end_, work_.trial_state) < 1.0) return false;
+  const double moved_J = potential.energy_J(work_.trial_state);
+  if (!(moved_J < energy_J)) return false;
+  std::swap(end_, work_.trial_state);
+  energy_J = moved_J;
+  return true;
 }
 
 /// One Newton step from the start of the step; what is prescribed moves the linear way.

@@ -111,6 +111,10 @@ class TimeStepper {
   void start_constraints(const Potential& potential, const StepInput& input,
                          const StepOptions& options);
   void solve(const Potential& potential, const StepOptions& options, StepResult& result);
+  /// From end_ to the trial state where that costs less and nothing is in the way.
+  bool take_if_lower(const Potential& potential, double& energy_J);
+  /// From end_, whose energy is given, one step of what the history linearises ahead.
+  void look_ahead(const Potential& potential, double energy_J, StepResult& result);
   MinimiseEnd solve_linearised(const Potential& potential, const State& start, StepResult& result);
   void report(const Potential& potential, const Motion& motion, StepResult& result);
 
@@ -125,8 +129,10 @@ class TimeStepper {
   StepStart start_;
   StepEnergy added_;
   MinimiseWorkspace work_;
-  History history_;  ///< of the step that is being solved
-  State end_;        ///< of the step that is being solved
+  History history_;           ///< of the step that is being solved
+  bool has_path_ = false;     ///< history_.ahead is there
+  double ahead_share_ = 0.0;  ///< of positive stiffness that looking ahead needs
+  State end_;                 ///< of the step that is being solved
   Eigen::VectorXd points_;
 };
 

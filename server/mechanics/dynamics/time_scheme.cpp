@@ -39,6 +39,10 @@ void start_step(TimeScheme scheme, const Boundary& boundary, const Motion& motio
     start.last_share = 0.0;
     start.order = 1;
     start.error_share = 0.5;
+    start.begin_m = start.guess_m;
+    if (motion.last_step_s > 0.0)
+      start.begin_m +=
+          (dt * dt / motion.last_step_s) * (motion.velocity_m_s - motion.last_velocity_m_s);
   } else {
     const double last = motion.last_step_s;
     const double w = dt / last;
@@ -49,6 +53,7 @@ void start_step(TimeScheme scheme, const Boundary& boundary, const Motion& motio
     start.points_m = start.now_share * start.points_m - start.last_share * motion.last_points_m;
     start.velocity_m_s =
         start.now_share * motion.velocity_m_s - start.last_share * motion.last_velocity_m_s;
+    start.begin_m = start.guess_m;
     const double own = dt * (dt + last) * start.h_s / 6.0;
     const double of_guess = dt * dt * (dt / 6.0 + last / 4.0);
     start.order = 2;

@@ -51,6 +51,7 @@ struct StepStart {
   Eigen::VectorXd target_m;                  ///< x~
   double now_share = 1.0, last_share = 0.0;  ///< y^ = now_share y0 - last_share y_-1
   Eigen::VectorXd guess_m;   ///< explicit prediction of x1, of the order of the scheme
+  Eigen::VectorXd begin_m;   ///< one of second order: where to look for x1 first
   double error_share = 0.0;  ///< error of x1 is about so much of x1 - guess
   int order = 1;
 };

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "server/mechanics/conditions/potential.h"
+#include "server/mechanics/equilibrium/secants.h"
 #include "server/mechanics/sparse/factor.h"
 
 namespace tenter::mechanics {
@@ -33,7 +34,7 @@ struct MinimiseOptions {
   int max_iterations = 2000;
   bool start_is_near = false;  ///< trust the exact stiffness from the start
   double max_move_m = 0.0;     ///< longest way of a node in one step; 0: a tenth of the extent
-  /// Newton: with the factor of the last exact stiffness go on while steps shrink the net force
+  /// Newton: with the last factor and secants (secants.h) go on while steps shrink the net force
   /// fast; then the stiffness that is kept is that of the factor, not of the end.
   bool reuse_factor = false;
 };
@@ -57,6 +58,7 @@ struct MinimiseWorkspace {
   State trial_state;
   Eigen::VectorXd step, sum;
   std::vector<double> shifted;
+  Secants secants;
 };
 
 /// Largest distance of two corners of the box around all nodes (m).

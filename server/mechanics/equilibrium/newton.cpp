@@ -13,7 +13,8 @@ namespace {
 constexpr double kSufficientDecrease = 1e-4;  // Armijo
 constexpr double kNearRounding = 1e3;         // slopes of so many times that may be rounding too
 constexpr double kForceDecrease = 0.5;        // of one step, where the energy is down to rounding
-constexpr double kFastDecrease = 0.3;         // of a step with an old factor that is worth it
+constexpr int kOldSteps = 3;                  // with an old factor, that have to be worth it:
+constexpr double kFastDecrease = 0.3;         // of all of them together, the first alone
 // How much of the negative stiffness is left out: less after every whole step, more where the step
 // had to be shortened or the matrix was indefinite. Found by a search over ten cases of hanging
 // cloth of 25 and 50 nodes a side; all near these do within a few per cent.
@@ -46,7 +47,7 @@ class Newton {
       ++result_.iterations;
       if (const auto stop = find_step()) return end(*stop);
       if (const auto stop = take_step()) return end(*stop);
-      if (options_.reuse_factor && result_.has_exact_factor) step_again();
+      if (options_.reuse_factor) step_again();
       if ((state_.x - start_).lpNorm<Eigen::Infinity>() > kAway * extent_)
         return end(MinimiseEnd::runs_away);
     }
@@ -98,18 +99,39 @@ class Newton {
     work_.step = -work_.step;
   }
 
-  /// Steps with the factor that is there.
+  /// Steps with the factor that is there and what they learn on the way, while they are worth it.
   void step_again() {
-    while (work_.current.net_force_N > options_.tolerance_N) {
-      solve_for_step();
-      if (potential_.unknowns.longest_move_m(work_.step) > max_move_) return;
-      potential_.unknowns.move(state_, work_.step, 1.0, work_.trial_state);
-      if (potential_.longest_fraction(state_, work_.trial_state) < 1.0) return;
-      if (!evaluate_forces(work_.trial_state, work_.trial) ||
-          work_.trial.net_force_N > kFastDecrease * work_.current.net_force_N)
-        return;
-      accept();
+    work_.secants.forget(potential_.unknowns.count());
+    while (true) {
+      const double before_N = work_.current.net_force_N;
+      for (int k = 0; k < kOldSteps; ++k)
+        if (work_.current.net_force_N <= options_.tolerance_N || !take_old_step()) return;
+      if (work_.current.net_force_N > kFastDecrease * before_N) return;
     }
+  }
+
+  /// False where it was not taken.
+  bool take_old_step() {
+    work_.secants.solve(factor_, work_.current.by_unknown, work_.step);
+    const double slope = work_.current.by_unknown.dot(work_.step);
+    if (!(slope < 0.0) || potential_.unknowns.longest_move_m(work_.step) > max_move_) return false;
+    potential_.unknowns.move(state_, work_.step, 1.0, work_.trial_state);
+    if (potential_.longest_fraction(state_, work_.trial_state) < 1.0) return false;
+    if (!evaluate_forces(work_.trial_state, work_.trial)) return false;
+    if (work_.trial.net_force_N > kForceDecrease * work_.current.net_force_N &&
+        !is_better(work_.trial, slope)) {
+      // once to the least of the parabola
+      const double rise = work_.trial.energy_J - work_.current.energy_J - slope;
+      const double fraction = std::clamp(-0.5 * slope / rise, 0.1, 0.7);
+      work_.step *= fraction;
+      potential_.unknowns.move(state_, work_.step, 1.0, work_.trial_state);
+      if (!evaluate_forces(work_.trial_state, work_.trial) ||
+          !is_better(work_.trial, fraction * slope))
+        return false;
+    }
+    work_.secants.learn(work_.step, work_.current.by_unknown, work_.trial.by_unknown);
+    accept();
+    return true;
   }
 
   /// The positive part may be singular (a free mesh, a slack spring): a small multiple of the

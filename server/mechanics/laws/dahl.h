@@ -23,6 +23,7 @@ class DahlLaw final : public Law {
   StateKind state_kind(int i) const override {
     return i % 2 == 0 ? StateKind::transient : StateKind::last_strain;
   }
+  bool turns_round() const override { return true; }
   void evaluate(const LawInput& in, LawOutput& out) const override;
   void evaluate_batch(const double* parameters, const LawBatch& batch) const override;
 };

@@ -56,7 +56,8 @@ model::Model cloth(bool rubs) {
 }
 
 struct Times {
-  double linearised_ms = 0.0, converged_ms = 0.0, evaluation_ms = 0.0, iterations = 0.0;
+  double linearised_ms = 0.0, converged_ms = 0.0, evaluation_ms = 0.0;
+  double factorisations = 0.0, evaluations = 0.0;
 };
 
 Times times_of(int nodes, bool rubs) {
@@ -87,10 +88,10 @@ Times times_of(int nodes, bool rubs) {
                    step ? describe(*step, how).c_str() : step.error().message.c_str());
       std::exit(1);
     }
-    return step->iterations;
+    return *step;
   };
   for (int k = 0; k < kWarm; ++k) go(motion, options);
-  Times best{1e300, 1e300, 1e300, 0.0};
+  Times best{1e300, 1e300, 1e300, 0.0, 0.0};
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
     Times now;
     Motion from = motion;
@@ -113,13 +114,16 @@ Times times_of(int nodes, bool rubs) {
         std::exit(1);
       now.evaluation_ms += (timing::thread_cpu_ms() - start) / kSteps;
       start = timing::thread_cpu_ms();
-      now.iterations += static_cast<double>(go(from, options)) / kSteps;
+      const StepResult done = go(from, options);
       now.converged_ms += (timing::thread_cpu_ms() - start) / kSteps;
+      now.factorisations += static_cast<double>(done.factorisations) / kSteps;
+      now.evaluations += static_cast<double>(done.evaluations) / kSteps;
     }
     best.linearised_ms = std::min(best.linearised_ms, now.linearised_ms);
     best.converged_ms = std::min(best.converged_ms, now.converged_ms);
     best.evaluation_ms = std::min(best.evaluation_ms, now.evaluation_ms);
-    best.iterations = now.iterations;
+    best.factorisations = now.factorisations;
+    best.evaluations = now.evaluations;
   }
   return best;
 }
@@ -130,18 +134,20 @@ int main(int count, char** arguments) {
   std::vector<int> sizes;
   for (int i = 1; i < count; ++i) sizes.push_back(std::atoi(arguments[i]));
   if (sizes.empty()) sizes = {25, 50};
-  std::printf("%9s %9s %13s %13s %13s %11s\n", "triangles", "friction", "evaluation", "linearised",
-              "converged", "iterations");
+  std::printf("%9s %9s %13s %13s %13s %15s %12s\n", "triangles", "friction", "evaluation",
+              "linearised", "converged", "factorisations", "evaluations");
   for (const int nodes : sizes) {
     const Times without = times_of(nodes, false), with = times_of(nodes, true);
     const int triangles = 2 * (nodes - 1) * (nodes - 1);
     for (const auto& [words, t] : {std::pair{"without", &without}, std::pair{"with", &with}})
-      std::printf("%9d %9s %10.3f ms %10.3f ms %10.3f ms %11.2f\n", triangles, words,
-                  t->evaluation_ms, t->linearised_ms, t->converged_ms, t->iterations);
-    std::printf("%9d %9s %10.2f    %10.2f    %10.2f    %11.2f\n", triangles, "ratio",
-                with.evaluation_ms / without.evaluation_ms,
-                with.linearised_ms / without.linearised_ms,
-                with.converged_ms / without.converged_ms, with.iterations / without.iterations);
+      std::printf("%9d %9s %10.3f ms %10.3f ms %10.3f ms %15.2f %12.2f\n", triangles, words,
+                  t->evaluation_ms, t->linearised_ms, t->converged_ms, t->factorisations,
+                  t->evaluations);
+    std::printf(
+        "%9d %9s %10.2f    %10.2f    %10.2f    %15.2f %12.2f\n", triangles, "ratio",
+        with.evaluation_ms / without.evaluation_ms, with.linearised_ms / without.linearised_ms,
+        with.converged_ms / without.converged_ms, with.factorisations / without.factorisations,
+        with.evaluations / without.evaluations);
   }
   return 0;
 }

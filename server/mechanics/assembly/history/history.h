@@ -37,6 +37,11 @@ struct History {
   /// end. Duration 0: from the start.
   Eigen::VectorXd rate_state = {};
   double rate_duration_s = 0.0;
+  /// Where the step is thought to end. While is_ahead, laws whose tangent jumps where the strain
+  /// turns round answer with their linearisation at the strain they have there, energy, forces and
+  /// stiffness: for the first look of a time step (dynamics/step.h).
+  Eigen::VectorXd ahead = {};
+  bool is_ahead = false;
 };
 
 /// bad_input where the state has another size, a number is none, or the duration is negative.

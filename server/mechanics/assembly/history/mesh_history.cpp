@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // MeshModel's functions of the history: history.h.
+#include <algorithm>
+
 #include "server/mechanics/assembly/group.h"
 
 namespace tenter::mechanics {
@@ -15,6 +17,35 @@ Expected<void> check(const History& history, int history_count) {
        !(history.rate_duration_s > 0.0)))
     return bad_input("what the history measures rates from is no state with a duration");
   return {};
+}
+
+// sigma = sigma(e) + T(e) d, psi = psi(e) + (sigma(e) + T(e) d / 2) d, with d the way from e, ahead
+void GroupTerm::evaluate_ahead(const double* parameters, const History& history, int first,
+                               LawBatch& batch) const {
+  const auto elements = static_cast<int>(measure.size());
+  const int strains = law->strain_count(), count = batch.count;
+  double ahead[kMaxStrains][kChunk] = {}, tangent[kMaxStrains][kMaxStrains][kChunk];
+  LawBatch there = batch;
+  for (int s = 0, i = 0; s < law->state_count(); ++s) {
+    if (law->state_kind(s) != StateKind::last_strain) continue;
+    std::copy_n(history.ahead.data() + first_state + s * elements + first, count, ahead[i]);
+    there.strain[i] = ahead[i];
+    ++i;
+  }
+  for (int i = 0; i < strains; ++i)
+    for (int j = i; j < strains && !batch.tangent[0][0]; ++j) there.tangent[i][j] = tangent[i][j];
+  law->evaluate_batch(parameters + first_parameter, there);
+  for (int e = 0; e < count; ++e) {
+    double way[kMaxStrains], more[kMaxStrains];
+    for (int i = 0; i < strains; ++i) way[i] = batch.strain[i][e] - ahead[i][e];
+    for (int i = 0; i < strains; ++i) {
+      more[i] = 0.0;
+      for (int j = 0; j < strains; ++j)
+        more[i] += there.tangent[std::min(i, j)][std::max(i, j)][e] * way[j];
+      if (batch.energy) batch.energy[e] += (batch.stress[i][e] + 0.5 * more[i]) * way[i];
+    }
+    for (int i = 0; i < strains; ++i) batch.stress[i][e] += more[i];
+  }
 }
 
 AssemblyStatus MeshModel::end_of_step(const Eigen::VectorXd& x, const Eigen::VectorXd& parameters,

@@ -9,6 +9,7 @@
 
 #include "common/capture/sheet/sheet_show.h"
 #include "common/capture/show_words.h"
+#include "common/capture/strips/strip_profiles.h"
 #include "common/capture/vocabulary.h"
 
 namespace tenter::capture {
@@ -178,8 +179,8 @@ std::string show_text(const Capture& capture) {
     if (!run.group.empty()) ++groups[run.group];
   for (const auto& [group, count] : groups)
     if (count > 1) line("repeats", std::to_string(count) + " runs of group " + group);
-  line("time", time_in_words(capture));
-  if (!capture.sheet) {
+  if (capture.kind != kStripsKind) line("time", time_in_words(capture));
+  if (!capture.sheet && capture.kind != kStripsKind) {
     line("stretch x", axis_in_words(capture.kinematics.x));
     line("stretch y", axis_in_words(capture.kinematics.y));
     line("shear xy", axis_in_words(capture.kinematics.xy));

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "common/capture/sheet/sheet_validate.h"
+#include "common/capture/strips/strip_profiles.h"
 #include "common/capture/text_checks.h"
 #include "common/capture/vocabulary.h"
 
@@ -41,9 +42,10 @@ Expected<void> check_texts(const Capture& capture) {
     if (!trouble.empty()) return bad_input(std::string(name) + " " + trouble);
   }
   if (capture.kind != "homogeneous_strain" && capture.kind != "tracked_points" &&
-      capture.kind != "deforming_sheet")
-    return bad_input("kind " + quoted(capture.kind) +
-                     " is not one of homogeneous_strain, tracked_points, deforming_sheet");
+      capture.kind != "deforming_sheet" && capture.kind != kStripsKind)
+    return bad_input(
+        "kind " + quoted(capture.kind) +
+        " is not one of homogeneous_strain, tracked_points, deforming_sheet, strip_profiles");
   if (capture.sheet.has_value() != (capture.kind == "deforming_sheet"))
     return bad_input(capture.sheet ? "a capture of kind " + quoted(capture.kind) + " has no sheet"
                                    : "a capture of kind \"deforming_sheet\" needs a sheet");
@@ -308,6 +310,8 @@ Expected<void> validate(const Capture& capture) {
   if (auto ok = check_axis(capture, "y", capture.kinematics.y); !ok) return ok;
   if (auto ok = check_axis(capture, "xy", capture.kinematics.xy); !ok) return ok;
   if (auto ok = check_stresses(capture); !ok) return ok;
+  if (capture.kind == kStripsKind)
+    if (const auto strips = strip_profiles(capture); !strips) return tl::unexpected(strips.error());
   return capture.sheet ? validate_sheet(capture) : Expected<void>();
 }
 

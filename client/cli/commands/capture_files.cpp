@@ -20,6 +20,7 @@
 #include "common/capture/sheet_import/sheet_description.h"
 #include "common/capture/sheet_import/sheet_import.h"
 #include "common/capture/show.h"
+#include "common/capture/strips/strip_photographs.h"
 
 namespace tenter::cli {
 
@@ -81,6 +82,10 @@ Expected<capture::Capture> read_source(const Import& order) {
   constexpr std::size_t kMaxDescriptionBytes = 16000000;
   const Expected<std::string> text = read_text_file(describe, kMaxDescriptionBytes);
   if (!text) return tl::unexpected(text.error());
+  if (capture::describes_strip_photographs(*text)) {
+    if (is_alone) return capture::import_strip_photographs(describe);
+    return bad_input(describe + ": names photographs; give it alone, without " + order.csv);
+  }
   if (is_alone || capture::describes_sheet(*text))
     return capture::import_sheet(describe, is_alone ? "" : order.csv);
   return capture::import_csv(order.csv, order.describe);
@@ -263,7 +268,9 @@ void add_import(CLI::App& group, Context& context) {
       "exit code 2, and "
       "nothing is written. Of a deforming sheet (kind deforming_sheet, see "
       "common/capture/sheet_import/README.md) FILE may be the description itself, which then names "
-      "all of its tables. Prints the SHA-256 that names the capture.\n"
+      "all of its tables; so it is with photographs of strips (kind strip_profiles with a list of "
+      "photographs, see common/capture/strips/README.md). Prints the SHA-256 that names the "
+      "capture.\n"
       "EXAMPLES\n"
       "    tenter capture import pull.csv --describe pull.json\n"
       "    tenter capture import pull.csv --describe pull.json -o captures/pull.h5\n"
@@ -272,7 +279,7 @@ void add_import(CLI::App& group, Context& context) {
   auto order = std::make_shared<Import>();
   command
       ->add_option("FILE", order->csv,
-                   "The CSV file, or the description of a sheet and its tables.")
+                   "The CSV file, or the description of a sheet and its tables, or of photographs.")
       ->required();
   command->add_option("--describe", order->describe, "What the columns of the CSV are (JSON).")
       ->type_name("FILE");

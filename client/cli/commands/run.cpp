@@ -182,32 +182,37 @@ void add_diagnose(CLI::App& app, Context& context) {
 
 void add_fit(CLI::App& app, Context& context) {
   auto draft = std::make_shared<Draft>();
-  CLI::App* command =
-      add_run(app, context, "fit", "fit the parameters of a model to captures",
-              "Prints the error against the noise floor, and keeps the fitted model with the "
-              "intervals of its parameters.\n"
-              "\n"
-              "Captures of a deforming sheet are fitted on a mesh, in stages: stretch, then shear, "
-              "then bending, then all together (--role says what each capture is for). The fit can "
-              "take long; if its worker or the server is killed it goes on after the last finished "
-              "stage, with the same result. `tenter residuals last --vertices` prints what is left "
-              "at the vertices.\n"
-              "\n"
-              "--protocol hanging-weights: one capture of weights and lengths along weft or warp; "
-              "stiffness k1 + k2 eps, friction a + b eps and tau with 95 % intervals, or a word in "
-              "place of a number that the data do not tell (key friction_test with --json).\n"
-              "EXAMPLES\n"
-              "    tenter fit pull.h5 --model stvk_orthotropic_spline --save-model fitted.json\n"
-              "    tenter --json fit pull.h5 | jq '.parameters'\n"
-              "    tenter fit warp.h5 --protocol hanging-weights --report friction.html\n"
-              "    tenter fit u.h5 v.h5 --role u.h5=stretch_u --role v.h5=stretch_v --report "
-              "fit.html\n",
-              draft);
+  CLI::App* command = add_run(
+      app, context, "fit", "fit the parameters of a model to captures",
+      "Prints the error against the noise floor, and keeps the fitted model with the "
+      "intervals of its parameters.\n"
+      "\n"
+      "Captures of a deforming sheet are fitted on a mesh, in stages: stretch, then shear, "
+      "then bending, then all together (--role says what each capture is for). The fit can "
+      "take long; if its worker or the server is killed it goes on after the last finished "
+      "stage, with the same result. `tenter residuals last --vertices` prints what is left "
+      "at the vertices.\n"
+      "\n"
+      "--protocol hanging-weights: one capture of weights and lengths along weft or warp; "
+      "stiffness k1 + k2 eps, friction a + b eps and tau with 95 % intervals, or a word in "
+      "place of a number that the data do not tell (key friction_test with --json).\n"
+      "--protocol spiral: profiles of strips that were rolled around cylinders and unrolled, "
+      "with or without cantilevers (captures of kind strip_profiles): the same numbers of "
+      "bending, positive and negative sense of curvature each on its own. --protocol "
+      "cantilever: cantilevers alone, stiffness only. --set samples=5: of each profile.\n"
+      "EXAMPLES\n"
+      "    tenter fit pull.h5 --model stvk_orthotropic_spline --save-model fitted.json\n"
+      "    tenter --json fit pull.h5 | jq '.parameters'\n"
+      "    tenter fit warp.h5 --protocol hanging-weights --report friction.html\n"
+      "    tenter fit spirals.h5 cantilevers.h5 --protocol spiral --report bending.html\n"
+      "    tenter fit u.h5 v.h5 --role u.h5=stretch_u --role v.h5=stretch_v --report "
+      "fit.html\n",
+      draft);
   command
       ->add_option("--protocol", draft->protocol,
                    "How the captures were made, where that has a fit of its own.")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"hanging-weights"}));
+      ->check(CLI::IsMember({"hanging-weights", "spiral", "cantilever"}));
   auto sheet = std::make_shared<SheetFitDraft>();
   add_sheet_fit_options(*command, *sheet);
   draft->run.complete_options = [sheet, names = &draft->run.captures](

@@ -7,6 +7,7 @@
 #include "common/base/text_file.h"
 #include "common/capture/csv/description_parts.h"
 #include "common/capture/strict_json.h"
+#include "common/capture/strips/strip_profiles.h"
 #include "common/capture/vocabulary.h"
 
 namespace tenter::capture {
@@ -268,7 +269,9 @@ void read_root(JsonObject& root, Description& out) {
   read_specimen(root.object("specimen"), out.head.specimen);
   read_protocol(root.object("protocol"), out);
   read_provenance(root.object("provenance"), out);
-  read_kinematics(root.object("kinematics"), out.head.kinematics);
+  // the profile of a strip has no strain that is the same everywhere
+  if (out.head.kind != kStripsKind || root.has("kinematics"))
+    read_kinematics(root.object("kinematics"), out.head.kinematics);
   if (std::optional<JsonObject> stresses = root.maybe_object("stresses"))
     for (const std::string& component : stresses->keys())
       out.head.stresses.push_back({component, stresses->text(component)});

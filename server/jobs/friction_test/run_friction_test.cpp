@@ -9,58 +9,29 @@
 #include "common/report/residual_file.h"
 #include "server/diagnosis/diagnose.h"
 #include "server/estimation/friction_tests/stretch/hanging_weights.h"
-#include "server/jobs/friction_test/weights_of_capture.h"
+#include "server/jobs/friction_test/friction_document.h"
+#include "server/jobs/friction_test/points/weights_of_capture.h"
+#include "server/jobs/friction_test/strips/run_strip_test.h"
 #include "server/jobs/results/result_document.h"
 
 namespace tenter::jobs {
 namespace {
 
 using estimation::FrictionEstimate;
-using estimation::FrictionNumber;
 using nlohmann::json;
-
-json maybe(const std::optional<double>& value) {
-  return value ? json(*value) : json(nullptr);
-}
 
 Expected<void> check_options(const json& options) {
   for (const auto& [key, value] : options.items())
     if (key != "protocol")
       return bad_input("options." + key + ": no option of a fit with a protocol");
-  if (options["protocol"] != "hanging-weights")
-    return bad_input("options.protocol: must be hanging-weights, not " +
-                     options["protocol"].dump());
   return {};
 }
 
 json test_json(const FrictionEstimate& found, const WeightsOfCapture& weights) {
-  json numbers = json::array();
-  for (const FrictionNumber& n : found.numbers)
-    numbers.push_back({{"name", n.name},
-                       {"unit", n.unit},
-                       {"told", n.is_told},
-                       {"value", n.is_told ? json(n.value) : json(nullptr)},
-                       {"interval", json::array({maybe(n.lo), maybe(n.hi)})},
-                       {"words", n.words}});
-  json stages = json::array();
-  for (std::size_t i = 0; i < found.start.stages.size(); ++i) {
-    const estimation::FrictionValues& v = found.start.stages[i];
-    stages.push_back({{"k1", v.k1},
-                      {"k2", v.k2},
-                      {"a", v.a},
-                      {"b", v.b},
-                      {"tau", v.tau},
-                      {"rms_load_N_m", found.start.rms_load[i]}});
-  }
+  json part = part_json(found, weights.measure, "1");
   const double rest = weights.rest_length_m;
-  return {{"protocol", "hanging-weights"},
-          {"direction", weights.measure == "green_u" ? "weft" : "warp"},
-          {"noise_stretch", found.noise},
-          {"noise_m", rest > 0.0 ? json(found.noise * rest) : json(nullptr)},
-          {"gains_below", found.gains_below},
-          {"snapped", found.snapped},
-          {"numbers", numbers},
-          {"stages", stages}};
+  part["noise_m"] = rest > 0.0 ? json(found.noise * rest) : json(nullptr);
+  return {{"protocol", "hanging-weights"}, {"parts", json::array({part})}};
 }
 
 /// What was found takes the place of the fixed values with which the frames were predicted.
@@ -75,24 +46,7 @@ void put_estimate(const FrictionEstimate& found, diagnosis::Diagnosis& d) {
   d.extended.fit.iterations = found.fit.iterations;
   d.extended.fit.converged = found.fit.converged;
   d.extended.fit.message = found.fit.message;
-  for (const FrictionNumber& n : found.numbers)
-    if (!n.is_told) d.checklist.push_back({"WARNING", n.name, n.words});
-  if (found.gains_below > 0.0)
-    d.checklist.push_back({"WARNING", "friction gains work",
-                           "below a strain of " + std::to_string(found.gains_below) +
-                               " a step may gain work: b tau is above 2 sigma_max there"});
-}
-
-/// The values of what is not told leave the list of parameters.
-void withhold(const FrictionEstimate& found, json& document) {
-  for (const FrictionNumber& n : found.numbers) {
-    if (n.is_told) continue;
-    for (json& parameter : document["parameters"]) {
-      const std::string& name = parameter["name"].get_ref<const std::string&>();
-      if (name.size() > n.name.size() && name.ends_with("." + n.name))
-        parameter["value"] = parameter["std_error"] = nullptr;
-    }
-  }
+  for (diagnosis::Check& check : checks_of(found, "")) d.checklist.push_back(std::move(check));
 }
 
 }  // namespace
@@ -101,6 +55,12 @@ Expected<void> run_friction_test(const JobInput& input, const json& spec,
                                  std::vector<std::pair<std::string, capture::Capture>> captures,
                                  const std::function<void(const JobProgress&)>& report,
                                  const std::stop_token& stop) {
+  const json& protocol = spec["options"]["protocol"];
+  if (protocol == "spiral" || protocol == "cantilever")
+    return run_strip_test(input, spec, captures, report, stop);
+  if (protocol != "hanging-weights")
+    return bad_input("options.protocol: must be hanging-weights, spiral or cantilever, not " +
+                     protocol.dump());
   if (auto checked = check_options(spec["options"]); !checked) return checked;
   if (captures.size() != 1)
     return bad_input("captures: hanging weights are fitted one capture at a time, " +
@@ -135,7 +95,7 @@ Expected<void> run_friction_test(const JobInput& input, const json& spec,
   report({"write", "", 0, 0.0, 0.98});
   json document = result_document(*predicted, request, "fit");
   document["friction_test"] = test_json(*found, *weights);
-  withhold(*found, document);
+  withhold(*found, document["parameters"]);
   const std::string text = document.dump(1) + "\n";
   if (auto written =
           write_atomically((input.staging / "result.json").string(), text.data(), text.size());

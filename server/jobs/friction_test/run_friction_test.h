@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A job of kind "fit" with options.protocol = "hanging-weights": stiffness and internal friction
-// from a capture of weights and lengths (server/estimation/friction_tests), as result.json and
-// residuals.h5 of any other fit, with one more key:
+// A job of kind "fit" with options.protocol, a test of internal friction, from captures to
+// result.json and residuals.h5 as any other fit leaves them, with one more key: friction_test
+// (friction_document.h).
 //
-//   friction_test: {protocol, direction, noise_m, gains_below, snapped,
-//     numbers: [{name, unit, told, value | null, interval [lo | null, hi | null], words}],
-//     stages: [{k1, k2, a, b, tau, rms_load_N_m}]}
+//   hanging-weights     one capture of homogeneous strain whose x stretch was measured (a length)
+//   and
+//                       whose x stress is the weight; its x axis lies along weft or warp
+//   spiral, cantilever  captures of strips (strips/run_strip_test.h)
 //
-// A number that the data do not tell is null there and among the parameters, and the checklist says
-// what is known of it. The capture is one of homogeneous strain whose x stretch was measured (a
-// length) and whose x stress is the weight; its x axis lies along weft or warp.
-//
-// The model of the specification is not used: the protocol has its own. Same input, same bytes.
+// The model of the specification is not used: a protocol has its own. Same input, same bytes.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -54,39 +54,6 @@ json verdict_json(const diagnosis::Verdict& v) {
           {"evidence", evidence}};
 }
 
-const char* state_word(estimation::ParameterState state) {
-  switch (state) {
-    case estimation::ParameterState::free:
-      return "free";
-    case estimation::ParameterState::fixed:
-      return "fixed";
-    case estimation::ParameterState::at_bound:
-      return "at_bound";
-    case estimation::ParameterState::zero_gradient:
-      return "zero_gradient";
-    case estimation::ParameterState::flat:
-      return "flat";
-  }
-  return "";
-}
-
-json parameters_json(const diagnosis::Reference& at) {
-  json list = json::array();
-  const auto names = estimation::parameter_names(at.model);
-  const auto all = estimation::parameters_of(at.model);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const model::Parameter& p = *all[i];
-    list.push_back({{"name", names[i]},
-                    {"value", number(p.value)},
-                    {"unit", p.unit},
-                    {"std_error", maybe(p.std_error)},
-                    {"interval",
-                     p.interval_lo ? json::array({*p.interval_lo, *p.interval_hi}) : json(nullptr)},
-                    {"state", state_word(at.fit.states[i])}});
-  }
-  return list;
-}
-
 json captures_json(const Diagnosis& d, const diagnosis::Request& request) {
   json list = json::array();
   for (std::size_t i = 0; i < d.curves.size(); ++i) {
@@ -154,7 +121,41 @@ json path_json(const Diagnosis& d) {
   return list;
 }
 
+const char* state_word(estimation::ParameterState state) {
+  switch (state) {
+    case estimation::ParameterState::free:
+      return "free";
+    case estimation::ParameterState::fixed:
+      return "fixed";
+    case estimation::ParameterState::at_bound:
+      return "at_bound";
+    case estimation::ParameterState::zero_gradient:
+      return "zero_gradient";
+    case estimation::ParameterState::flat:
+      return "flat";
+  }
+  return "";
+}
+
 }  // namespace
+
+json model_parameters_json(const model::Model& model,
+                           const std::vector<estimation::ParameterState>& states) {
+  json list = json::array();
+  const auto names = estimation::parameter_names(model);
+  const auto all = estimation::parameters_of(model);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const model::Parameter& p = *all[i];
+    list.push_back({{"name", names[i]},
+                    {"value", number(p.value)},
+                    {"unit", p.unit},
+                    {"std_error", maybe(p.std_error)},
+                    {"interval",
+                     p.interval_lo ? json::array({*p.interval_lo, *p.interval_hi}) : json(nullptr)},
+                    {"state", state_word(states[i])}});
+  }
+  return list;
+}
 
 json result_document(const Diagnosis& d, const diagnosis::Request& request,
                      const std::string& kind) {
@@ -184,7 +185,7 @@ json result_document(const Diagnosis& d, const diagnosis::Request& request,
           {"captures", captures_json(d, request)},
           {"screen", screen_json(d.first_screen)},
           {"path", path_json(d)},
-          {"parameters", parameters_json(d.extended)},
+          {"parameters", model_parameters_json(d.extended.model, d.extended.fit.states)},
           {"checklist", checklist},
           {"figures", figures_json(d)},
           {"fit",

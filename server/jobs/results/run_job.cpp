@@ -8,6 +8,7 @@
 
 #include "common/base/atomic_write.h"
 #include "common/capture/file/capture_file.h"
+#include "common/capture/strips/strip_profiles.h"
 #include "common/model/document.h"
 #include "server/diagnosis/diagnose.h"
 #include "server/jobs/friction_test/run_friction_test.h"
@@ -131,6 +132,10 @@ Expected<void> run_job(const JobInput& input, const std::function<void(const Job
     if (kind != "fit") return bad_input("options.protocol: only a fit has one");
     return run_friction_test(input, spec, std::move(*captures), report, stop);
   }
+  for (const auto& [id, capture] : *captures)
+    if (capture.kind == capture::kStripsKind)
+      return bad_input("capture \"" + capture.title +
+                       "\": strips are fitted with options.protocol spiral or cantilever");
   auto request = read_request(std::move(*captures), spec);
   if (!request) return tl::unexpected(request.error());
 

@@ -84,7 +84,8 @@ TEST(Validate, SpecimenProtocolAndTexts) {
   EXPECT_EQ(after([](Capture& c) { c.protocol.phases[1].kind = "jump"; }),
             "phase \"rest\" has kind \"jump\", not one of ramp, cycle, hold, step, other");
   EXPECT_EQ(after([](Capture& c) { c.kind = "song"; }),
-            "kind \"song\" is not one of homogeneous_strain, tracked_points, deforming_sheet");
+            "kind \"song\" is not one of homogeneous_strain, tracked_points, deforming_sheet, "
+            "strip_profiles");
   EXPECT_EQ(after([](Capture& c) { c.title = "\x1b[31mred"; }), "title holds a control character");
   EXPECT_EQ(after([](Capture& c) { c.title = "\xff"; }), "title is not valid UTF-8");
   EXPECT_EQ(after([](Capture& c) { c.title = "\xC0\xAF"; }), "title is not valid UTF-8");

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "server/estimation/friction_tests/bending/cantilever/moment_errors.h"
 #include "server/estimation/friction_tests/bending/path_start.h"
 #include "server/estimation/friction_tests/bending/torque_errors.h"
 #include "server/estimation/least_squares/bounded_least_squares.h"
@@ -58,25 +59,73 @@ std::vector<AnchoredReading> anchored_readings(const std::vector<ProfileSamples>
   return readings;
 }
 
+using SharedProfiles = std::shared_ptr<const std::vector<ProfileSamples>>;
+
 /// Strips of one radius one after the other: the rows of a block have to be neighbours.
 void sort_by_group(BendingTests& tests) {
   std::stable_sort(tests.strips.begin(), tests.strips.end(),
                    [](const StripTest& a, const StripTest& b) { return a.radius_m < b.radius_m; });
 }
 
-}  // namespace
+Expected<void> check_measure(std::string_view measure) {
+  if (measure == "bend_u" || measure == "bend_v") return {};
+  return bad_input("spirals and cantilevers bend: \"" + std::string(measure) +
+                   "\" is neither bend_u nor bend_v");
+}
 
-Expected<BendingEstimate> fit_bending(const BendingTests& tests, std::string_view measure,
-                                      const FrictionFitOptions& options) {
-  if (measure != "bend_u" && measure != "bend_v")
-    return bad_input("spirals and cantilevers bend: \"" + std::string(measure) +
-                     "\" is neither bend_u nor bend_v");
-  Expected<BendingTests> checked = check(tests);
+Expected<SharedProfiles> profiles_of(BendingTests tests, BendingProtocol protocol) {
+  Expected<BendingTests> checked = check(std::move(tests), protocol);
   if (!checked) return tl::unexpected(checked.error());
   sort_by_group(*checked);
   auto profiles = sampled(*checked);
   if (!profiles) return tl::unexpected(profiles.error());
-  const auto shared = std::make_shared<const std::vector<ProfileSamples>>(std::move(*profiles));
+  return std::make_shared<const std::vector<ProfileSamples>>(std::move(*profiles));
+}
+
+double mean_noise(const std::vector<ProfileSamples>& profiles) {
+  double noise = 0.0;
+  for (const ProfileSamples& profile : profiles) noise += profile.noise_m;
+  return noise / static_cast<double>(profiles.size());
+}
+
+/// The fit from its starts, the scatter that the torques' errors add taken from it (which depends
+/// on the model: twice is enough), and what is known of each number.
+Expected<void> finish(TorqueErrors& errors, const StrainPoint& point, const SharedProfiles& shared,
+                      const model::Model& model, const std::vector<FrictionValues>& starts,
+                      const FrictionFitOptions& options, BendingEstimate& estimate) {
+  FrictionEstimate& friction = estimate.friction;
+  friction.fit = fit_from(starts, errors, model, options.fit);
+  if (!friction.fit.usable) return bad_input("strips: no start of the fit finds them at rest");
+  Eigen::VectorXd reference;
+  for (int round = 0; round < 2; ++round) {
+    reference = friction.fit.parameters;
+    if (errors.set_reference(reference) != mechanics::PathStatus::ok)
+      return bad_input("strips: the model finds no rest under their weight");
+    FitResult again = fit(errors, with_values(model, values_of(reference)), options.fit);
+    if (!again.usable) return bad_input("strips: " + again.message);
+    friction.fit = std::move(again);
+  }
+  friction.snapped = errors.snapped();
+  estimate.predicted.assign(errors.predicted().data(),
+                            errors.predicted().data() + errors.predicted().size());
+  friction.noise = mean_noise(*shared);
+  const MakeFunction make = [&]() -> std::unique_ptr<ResidualFunction> {
+    auto own = std::make_unique<TorqueErrors>(point, shared);
+    if (own->set_reference(reference) != mechanics::PathStatus::ok) return nullptr;
+    return own;
+  };
+  judge(make, model, options, friction);
+  return {};
+}
+
+}  // namespace
+
+Expected<BendingEstimate> fit_bending(const BendingTests& tests, std::string_view measure,
+                                      const FrictionFitOptions& options) {
+  if (auto ok = check_measure(measure); !ok) return tl::unexpected(ok.error());
+  const auto profiles = profiles_of(tests, BendingProtocol::spirals);
+  if (!profiles) return tl::unexpected(profiles.error());
+  const SharedProfiles& shared = *profiles;
 
   BendingEstimate estimate;
   estimate.profiles = *shared;
@@ -94,41 +143,58 @@ Expected<BendingEstimate> fit_bending(const BendingTests& tests, std::string_vie
   // torques are of the order of 1e-3 N: in units of that
   constexpr double kTorqueUnit = 1e-4;
   AnchoredErrors anchored(readings, kTorqueUnit);
-  FrictionEstimate& friction = estimate.friction;
-  friction.start = anchored_start(anchored, model, has_cantilever ? &estimate.cantilever : nullptr);
-  for (double& rms : friction.start.rms_load) rms *= kTorqueUnit;
+  AnchoredStart& start = estimate.friction.start;
+  start = anchored_start(anchored, model, has_cantilever ? &estimate.cantilever : nullptr);
+  for (double& rms : start.rms_load) rms *= kTorqueUnit;
 
   TorqueErrors errors(*point, shared);
   std::vector<FrictionValues> starts = path_starts(*shared);
-  starts.push_back(friction.start.stages.back());
+  starts.push_back(start.stages.back());
   // until there is a fit to take it from, the torques' scatter is that of the best start
   if (errors.set_reference(flat(starts.front())) != mechanics::PathStatus::ok)
     starts.erase(starts.begin());
-  friction.fit = fit_from(starts, errors, model, options.fit);
-  if (!friction.fit.usable)
-    return bad_input("spirals: no start of the fit finds the strips at rest");
-  // the scatter that the torques' errors add depends on the model: twice is enough
-  Eigen::VectorXd reference;
-  for (int round = 0; round < 2; ++round) {
-    reference = friction.fit.parameters;
-    if (errors.set_reference(reference) != mechanics::PathStatus::ok)
-      return bad_input("spirals: the model finds no rest under the weight of the strips");
+  if (auto done = finish(errors, *point, shared, model, starts, options, estimate); !done)
+    return tl::unexpected(done.error());
+  return estimate;
+}
+
+Expected<BendingEstimate> fit_cantilevers(const BendingTests& tests, std::string_view measure,
+                                          const FrictionFitOptions& options) {
+  if (auto ok = check_measure(measure); !ok) return tl::unexpected(ok.error());
+  const auto profiles = profiles_of(tests, BendingProtocol::cantilevers);
+  if (!profiles) return tl::unexpected(profiles.error());
+  const SharedProfiles& shared = *profiles;
+
+  BendingEstimate estimate;
+  estimate.profiles = *shared;
+  estimate.cantilever = stiffness_of_cantilevers(*shared);
+  if (!(estimate.cantilever.k1 > 0.0))
+    return bad_input("cantilevers: their weight does not bend them, so that no stiffness is seen");
+  FrictionValues start = estimate.cantilever;
+  start.tau = 1.0;
+  model::Model model = with_values(friction_model(measure), start);
+  for (model::Parameter& p : model.terms.back().law.parameters) p.fixed = true;
+  const auto point = StrainPoint::make(model);
+  if (!point) return tl::unexpected(point.error());
+  FrictionEstimate& friction = estimate.friction;
+  Eigen::VectorXd reference = flat(start);
+  for (int round = 0; round < 3; ++round) {
+    MomentErrors errors(*point, shared, reference);
     FitResult again = fit(errors, with_values(model, values_of(reference)), options.fit);
-    if (!again.usable) return bad_input("spirals: " + again.message);
+    if (!again.usable) return bad_input("cantilevers: " + again.message);
     friction.fit = std::move(again);
+    if (round < 2) reference = friction.fit.parameters;
   }
-  friction.snapped = errors.snapped();
-  estimate.predicted.assign(errors.predicted().data(),
-                            errors.predicted().data() + errors.predicted().size());
-  double noise = 0.0;
-  for (const ProfileSamples& profile : *shared) noise += profile.noise_m;
-  friction.noise = noise / static_cast<double>(shared->size());
-  const MakeFunction make = [&]() -> std::unique_ptr<ResidualFunction> {
-    auto own = std::make_unique<TorqueErrors>(*point, shared);
-    if (own->set_reference(reference) != mechanics::PathStatus::ok) return nullptr;
-    return own;
+  friction.noise = mean_noise(*shared);
+  const MakeFunction make = [&] {
+    return std::make_unique<MomentErrors>(*point, shared, reference);
   };
   judge(make, model, options, friction);
+  for (FrictionNumber& number : estimate.friction.numbers) {
+    if (number.name == "k1" || number.name == "k2") continue;
+    number.is_told = false;
+    number.words = "not told: a strip that was never rolled goes one way";
+  }
   return estimate;
 }
 

@@ -34,4 +34,12 @@ struct BendingEstimate {
 Expected<BendingEstimate> fit_bending(const BendingTests& tests, std::string_view measure,
                                       const FrictionFitOptions& options = {});
 
+/// k1 and k2 from cantilevers alone (Clapp et al., cantilever/moment_errors.h): torque against
+/// curvature along the strip's own shape. a, b and tau are zero, fixed, and not told: a strip that
+/// was never rolled goes one way. What friction resists on that way is in k1 and k2, so that the
+/// elastic ones are smaller. `start`, `predicted` and `snapped` stay empty. bad_input: see check()
+/// with BendingProtocol::cantilevers.
+Expected<BendingEstimate> fit_cantilevers(const BendingTests& tests, std::string_view measure,
+                                          const FrictionFitOptions& options = {});
+
 }  // namespace tenter::estimation

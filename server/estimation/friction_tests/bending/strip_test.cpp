@@ -26,7 +26,7 @@ double bulge(const std::vector<ContourPoint>& points) {
 
 }  // namespace
 
-Expected<BendingTests> check(BendingTests tests) {
+Expected<BendingTests> check(BendingTests tests, BendingProtocol protocol) {
   if (!is_positive(tests.area_density_kg_m2))
     return bad_input("the mass per area of the cloth is not above zero");
   if (!is_positive(tests.gravity_m_s2)) return bad_input("gravity is not above zero");
@@ -45,6 +45,13 @@ Expected<BendingTests> check(BendingTests tests) {
         return bad_input(name + "a point is not a number");
     spirals += strip.radius_m > 0.0 ? 1 : 0;
   }
+  if (protocol == BendingProtocol::cantilevers) {
+    if (tests.strips.empty()) return bad_input("there is no cantilever");
+    if (spirals > 0)
+      return bad_input(std::to_string(spirals) +
+                       " of the strips were rolled around a cylinder: these are spirals");
+    return tests;
+  }
   if (spirals == 0)
     return bad_input("no strip was rolled around a cylinder: friction shows in spirals");
   if (tests.strips.size() < 2) return bad_input("one strip alone does not determine a model");
@@ -55,12 +62,11 @@ std::array<BendingTests, 2> by_sense(const BendingTests& tests) {
   std::array<BendingTests, 2> parts = {tests, tests};
   for (BendingTests& part : parts) part.strips.clear();
   for (StripTest strip : tests.strips) {
-    if (bulge(strip.points) >= 0.0) {
-      parts[0].strips.push_back(std::move(strip));
-      continue;
-    }
-    for (ContourPoint& point : strip.points) point.x_m = -point.x_m;
-    parts[1].strips.push_back(std::move(strip));
+    const bool is_clockwise = bulge(strip.points) < 0.0;
+    if (is_clockwise)
+      for (ContourPoint& point : strip.points) point.x_m = -point.x_m;
+    const bool is_negative = strip.sense == 0 ? is_clockwise : strip.sense < 0;
+    parts[is_negative ? 1 : 0].strips.push_back(std::move(strip));
   }
   return parts;
 }

@@ -21,6 +21,7 @@ ProfileSamples samples_of(const ProfileCurve& curve, const StripTest& strip, dou
                           int count) {
   ProfileSamples result;
   result.anchor = strip.radius_m > 0.0 ? 3.0 / strip.radius_m : 0.0;
+  result.number = strip.number;
   result.noise_m = curve.noise_m();
   result.intervals = curve.intervals();
   const Eigen::MatrixXd root = curve.covariance().llt().matrixL();

@@ -32,6 +32,7 @@ struct TorqueSample {
 };
 
 struct ProfileSamples {
+  int number = 0;       ///< of the StripTest
   double anchor = 0.0;  ///< strain on the cylinder, 0: never rolled
   int group = 0;        ///< of strips with the same radius
   double noise_m = 0.0;

@@ -4,24 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "common/capture/csv/csv_import.h"
-#include "common/capture/file/capture_file.h"
-#include "common/model/presets.h"
 #include "common/report/html_report.h"
+#include "common/report/residual_file.h"
 #include "common/report/text_report.h"
-#include "server/jobs/results/run_job.h"
+#include "tests/server/jobs/friction_test/friction_job_fixture.h"
 #include "tests/twin/friction/hanging_cloth.h"
 
 namespace tenter::jobs {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr const char* kDescription = R"({
@@ -43,62 +37,26 @@ constexpr const char* kDescription = R"({
   "stresses": {"x": "weight"}
 })";
 
-class HangingWeightsJob : public ::testing::Test {
+class HangingWeightsJob : public FrictionJob {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "tenter-weights-job-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  void import(const twin::FrictionSample& sample) {
+  void import_weights(const twin::FrictionSample& sample) {
     twin::HangingPlan plan;
-    std::ofstream csv(folder_ / "weights.csv");
+    std::ostringstream csv;
     csv.precision(12);
     csv << "run,weight_N,length_mm\n";
     for (const twin::HangingReading& reading : twin::hang(sample, plan))
       csv << reading.run + 1 << ',' << reading.weight_N + plan.dead_weight_N << ','
           << 1e3 * reading.length_m << '\n';
-    csv.close();
-    std::ofstream(folder_ / "weights.json") << kDescription;
-    const auto capture = capture::import_csv((folder_ / "weights.csv").string(),
-                                             (folder_ / "weights.json").string());
-    ASSERT_TRUE(capture) << capture.error().message;
-    ASSERT_TRUE(capture::write_capture(*capture, (folder_ / "weights.h5").string()));
+    import("weights", csv.str(), kDescription);
   }
-
-  Expected<json> run(const json& options, const char* kind = "fit") {
-    json spec;
-    spec["kind"] = kind;
-    spec["captures"] = {std::string(64, 'a')};
-    spec["model"] = json::parse(model::preset_json("stvk_diagonal").value());
-    spec["options"] = options;
-    JobInput input;
-    input.spec_json = spec.dump();
-    input.captures = {{std::string(64, 'a'), folder_ / "weights.h5"}};
-    input.staging = folder_ / "staging";
-    fs::remove_all(input.staging);
-    fs::create_directories(input.staging);
-    const auto done = run_job(input, [](const JobProgress&) {}, {});
-    if (!done) return tl::unexpected(done.error());
-    EXPECT_TRUE(fs::exists(input.staging / "residuals.h5"));
-    std::ostringstream text;
-    text << std::ifstream(input.staging / "result.json").rdbuf();
-    text_ = text.str();
-    return json::parse(text_);
-  }
-
-  fs::path folder_;
-  std::string text_;
 };
 
 TEST_F(HangingWeightsJob, GivesTheNumbersOfTheTable) {
   const twin::FrictionSample& sample = twin::stretch_samples().back();
-  import(sample);
+  import_weights(sample);
   const auto result = run({{"protocol", "hanging-weights"}});
   ASSERT_TRUE(result) << result.error().message;
-  const json& test = (*result)["friction_test"];
+  const json& test = (*result)["friction_test"]["parts"][0];
   EXPECT_EQ(test["direction"], "warp");
   EXPECT_NEAR(test["noise_m"].get<double>(), 1e-4, 1e-9);
   const double truth[] = {sample.k1, sample.k2, sample.a, sample.b, sample.tau};
@@ -120,10 +78,10 @@ TEST_F(HangingWeightsJob, GivesTheNumbersOfTheTable) {
 TEST_F(HangingWeightsJob, PrintsNoNumberThatTheDataDoNotTell) {
   twin::FrictionSample sample = twin::stretch_samples().front();
   sample.tau = 1e-4;
-  import(sample);
+  import_weights(sample);
   const auto result = run({{"protocol", "hanging-weights"}});
   ASSERT_TRUE(result) << result.error().message;
-  const json& tau = (*result)["friction_test"]["numbers"][4];
+  const json& tau = (*result)["friction_test"]["parts"][0]["numbers"][4];
   EXPECT_FALSE(tau["told"].get<bool>());
   EXPECT_TRUE(tau["value"].is_null());
   bool is_withheld = false;
@@ -138,7 +96,7 @@ TEST_F(HangingWeightsJob, PrintsNoNumberThatTheDataDoNotTell) {
 }
 
 TEST_F(HangingWeightsJob, RefusesWhatIsNoSuchTest) {
-  import(twin::stretch_samples().back());
+  import_weights(twin::stretch_samples().back());
   EXPECT_FALSE(run({{"protocol", "swinging-weights"}}));
   EXPECT_FALSE(run({{"protocol", "hanging-weights"}, {"seed", 3}}));
   EXPECT_FALSE(run({{"protocol", "hanging-weights"}}, "diagnose"));

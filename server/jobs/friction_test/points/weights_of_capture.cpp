@@ -1,21 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/jobs/friction_test/weights_of_capture.h"
+#include "server/jobs/friction_test/points/weights_of_capture.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "server/estimation/curves.h"
+#include "server/jobs/friction_test/axis_of_cloth.h"
 
 namespace tenter::jobs {
 namespace {
-
-/// Along weft or warp, to a degree; "" where it is neither.
-std::string measure_along(double axis_angle_rad) {
-  constexpr double kSlack = 0.0175;
-  if (std::abs(std::sin(axis_angle_rad)) < kSlack) return "green_u";
-  if (std::abs(std::cos(axis_angle_rad)) < kSlack) return "green_v";
-  return "";
-}
 
 /// Of one stretch; 0 where the capture does not say.
 double stretch_noise(const capture::Capture& capture, double rest_length_m) {
@@ -39,11 +32,13 @@ Expected<WeightsOfCapture> weights_of(const capture::Capture& capture, const std
   if (capture.kinematics.x.role != Role::prescribed)
     return bad_input(name + "hanging weights need the length along x, as prescribed stretch");
   WeightsOfCapture result;
-  result.measure = measure_along(capture.specimen.axis_angle_rad);
-  if (result.measure.empty())
-    return bad_input(name +
-                     "its x axis lies along neither weft nor warp; friction is estimated "
-                     "for each of them on its own");
+  const std::string axis = axis_of_cloth(capture.specimen.axis_angle_rad);
+  result.measure = "green_" + axis;
+  if (axis.empty())
+    return bad_input(
+        name +
+        "specimen.axis_angle: its x axis lies along neither weft nor warp; friction is estimated "
+        "for each of them on its own");
   const auto curves = estimation::make_curves(capture, id);
   if (!curves) return tl::unexpected(curves.error());
   const auto load = std::find_if(curves->channels.begin(), curves->channels.end(),

@@ -4,8 +4,8 @@
 // (friction_document.h).
 //
 //   hanging-weights     one capture of homogeneous strain whose x stretch was measured (a length)
-//   and
-//                       whose x stress is the weight; its x axis lies along weft or warp
+//                       and whose x stress is the weight; its x axis lies along weft or warp
+//   loops               captures of load-unload loops of one strain (both: points/run_point_test.h)
 //   spiral, cantilever  captures of strips (strips/run_strip_test.h)
 //
 // The model of the specification is not used: a protocol has its own. Same input, same bytes.

@@ -8,6 +8,7 @@
 //                            that closes, the loop's area
 //   force_difference         max |F - F_1| / max |F_1| over all frames, F_1 of the first run
 //   kinetic_energy           at a moment, J; of motions
+//   curvature_change, wrinkle_height, wrinkle_likeness, settling_time: wrinkle_measures.h
 //
 //   Expected<Value> v = measured(measure, run, first_run);
 //   if (v && v->number) print(*v->number, v->unit);

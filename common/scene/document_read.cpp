@@ -38,6 +38,18 @@ Mesh read_grid(const Node& node) {
   return grid;
 }
 
+Mesh read_tube(const Node& node) {
+  node.expect_object({"kind", "nodes_around", "nodes_along", "radius_m", "length_m", "diagonals"});
+  TubeMesh tube;
+  tube.nodes_around = node["nodes_around"].whole(4, kMostParts);
+  tube.nodes_along = node["nodes_along"].whole(2, kMostParts);
+  tube.radius_m = node["radius_m"].number();
+  tube.length_m = node["length_m"].number();
+  if (node.has("diagonals"))
+    tube.diagonals = one_of(node["diagonals"], {"one", "other", "alternating", "both"});
+  return tube;
+}
+
 Mesh read_outline(const Node& node) {
   node.expect_object({"kind", "points_m", "edge_length_m"});
   OutlineMesh outline;
@@ -82,8 +94,9 @@ Mesh read_file(const Node& node) {
 }
 
 Mesh read_mesh(const Node& node) {
-  const std::string kind = one_of(node["kind"], {"grid", "outline", "box", "file"});
+  const std::string kind = one_of(node["kind"], {"grid", "tube", "outline", "box", "file"});
   if (kind == "grid") return read_grid(node);
+  if (kind == "tube") return read_tube(node);
   if (kind == "outline") return read_outline(node);
   if (kind == "box") return read_box(node);
   return read_file(node);
@@ -336,7 +349,8 @@ Scene read_scene(const Node& root) {
         std::pair{"density_kg_m3", &scene.density_kg_m3}, std::pair{"mass_kg", &scene.mass_kg}})
     if (root.has(key)) *value = root[key].number();
   if (root.has("gravity_m_s2")) scene.gravity_m_s2 = root["gravity_m_s2"].numbers<3>();
-  if (solid) scene.start.place = Start::Place::as_meshed;
+  if (solid || std::holds_alternative<TubeMesh>(scene.mesh))
+    scene.start.place = Start::Place::as_meshed;
   if (root.has("start")) scene.start = read_start(root["start"], solid, scene.start);
   if (root.has("clips"))
     for (const Node& clip : root["clips"].list()) scene.clips.push_back(read_clip(clip, solid));

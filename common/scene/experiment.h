@@ -30,7 +30,10 @@ struct Measure {
   std::string clip;
   std::string at;
   std::string from;
+  std::string like;  ///< the moment whose wrinkles are compared with
   double share = 0.0;
+  double width_m = 0.02;    ///< of the smoothing that wrinkles are told from (wrinkles.h)
+  double bound_m_s = 1e-3;  ///< speed that counts as rest
 };
 
 /// One plot, with a line for every run.

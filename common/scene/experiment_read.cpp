@@ -42,7 +42,10 @@ Measure read_measure(const JsonNode& node) {
   if (has_key(kind, "clip")) measure.clip = node["clip"].text();
   measure.at = node.text_or("at", "");
   measure.from = node.text_or("from", "");
+  measure.like = node.text_or("like", "");
   measure.share = node.number_or("share", 0.0);
+  measure.width_m = node.number_or("width_m", measure.width_m);
+  measure.bound_m_s = node.number_or("bound_m_s", measure.bound_m_s);
   return measure;
 }
 
@@ -137,6 +140,10 @@ const std::vector<Kind>& measure_kinds() {
       {"work", {"clip", "from", "at"}, "work done by the clip"},
       {"force_difference", {"clip"}, "largest difference of force to the first run"},
       {"kinetic_energy", {"at"}, "kinetic energy"},
+      {"curvature_change", {"from", "at"}, "rms change of curvature"},
+      {"wrinkle_height", {"from", "at", "width_m"}, "height of wrinkles"},
+      {"wrinkle_likeness", {"from", "at", "like", "width_m"}, "likeness of wrinkles"},
+      {"settling_time", {"from", "bound_m_s"}, "time to settle"},
   };
   return kinds;
 }
@@ -181,6 +188,11 @@ Expected<void> check_experiment(const Scene& scene) {
     check.clip(measure.clip, path + ".clip");
     check.moment(measure.at, path + ".at");
     check.moment(measure.from, path + ".from");
+    check.moment(measure.like, path + ".like");
+    check.that(std::isfinite(measure.width_m) && measure.width_m > 0.0, path + ".width_m",
+               "must be above 0");
+    check.that(std::isfinite(measure.bound_m_s) && measure.bound_m_s > 0.0, path + ".bound_m_s",
+               "must be above 0");
     check.that(measure.share >= 0.0 && measure.share <= 1.0, path + ".share", "must be 0 to 1");
   }
   ids.clear();

@@ -28,6 +28,13 @@ struct GridMesh {
   std::string diagonals = "alternating";  ///< one, other, alternating or both
 };
 
+/// A regular sheet that is sewn to itself, u around and v along: a sleeve about the z axis.
+struct TubeMesh {
+  int nodes_around = 0, nodes_along = 0;
+  double radius_m = 0.0, length_m = 0.0;
+  std::string diagonals = "alternating";  ///< as a grid's
+};
+
 /// An irregular sheet inside an outline.
 struct OutlineMesh {
   std::vector<Vec2> points_m;
@@ -51,7 +58,7 @@ struct FileMesh {
   bool is_msh = false;
 };
 
-using Mesh = std::variant<GridMesh, OutlineMesh, BoxMesh, FileMesh>;
+using Mesh = std::variant<GridMesh, OutlineMesh, BoxMesh, FileMesh, TubeMesh>;
 
 /// Bodies have three material coordinates, sheets two.
 bool is_solid(const Mesh& mesh);
@@ -132,7 +139,7 @@ struct Start {
   enum class Place {
     vertical,    ///< (u, 0, v)
     horizontal,  ///< (u, v, 0)
-    as_meshed,   ///< as the file has it; bodies: the rest shape
+    as_meshed,   ///< as the file has it; a tube: round; bodies: the rest shape
     wound        ///< u goes around an axis along y, from where it hangs down inwards; v is y
   };
   Place place = Place::horizontal;

@@ -70,6 +70,9 @@ void check_mesh(const Mesh& mesh, Check& check) {
   if (const auto* grid = std::get_if<GridMesh>(&mesh)) {
     check.positive(grid->length_u_m, "mesh.length_u_m");
     check.positive(grid->length_v_m, "mesh.length_v_m");
+  } else if (const auto* tube = std::get_if<TubeMesh>(&mesh)) {
+    check.positive(tube->radius_m, "mesh.radius_m");
+    check.positive(tube->length_m, "mesh.length_m");
   } else if (const auto* outline = std::get_if<OutlineMesh>(&mesh)) {
     check.that(outline->points_m.size() >= 3, "mesh.points_m", "an outline needs three points");
     for (std::size_t i = 0; i < outline->points_m.size(); ++i)
@@ -141,9 +144,12 @@ void check_start(const Scene& scene, Check& check) {
   check.that(std::isfinite(start.noise_m) && start.noise_m >= 0.0, "start.noise_m",
              "must not be negative");
   check.finite(start.gravity_factor, "start.gravity_factor");
-  check.that(start.place != Start::Place::as_meshed || is_solid(scene.mesh) ||
+  const bool is_tube = std::holds_alternative<TubeMesh>(scene.mesh);
+  check.that(start.place != Start::Place::as_meshed || is_solid(scene.mesh) || is_tube ||
                  std::holds_alternative<FileMesh>(scene.mesh),
-             "start.place", "only a mesh from a file has a place of its own");
+             "start.place", "only a tube or a mesh from a file has a place of its own");
+  check.that(start.place == Start::Place::as_meshed || !is_tube, "start.place",
+             "a tube starts round, 'as_meshed'");
   const bool is_wound = start.place == Start::Place::wound;
   if (is_wound) check.positive(start.radius_m, "start.radius_m");
   check.that(is_wound || start.radius_m == 0.0, "start.radius_m", "is for what is 'wound'");

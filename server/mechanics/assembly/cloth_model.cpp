@@ -101,6 +101,8 @@ Expected<MeshModel> MeshModel::make(const model::Model& model, const Cloth& clot
   for (const model::Term& term : model.terms) {
     const auto site = builder.site(term, false);
     if (!site) return tl::unexpected(site.error());
+    if (cloth.mesh.period_u_m > 0.0 && term.support.name == "rbf")
+      return bad_input(name_of(term) + "a support has a place, which a tube has twice at its seam");
     auto part = part_of(term, site->row->domain, site->support, cloth, builder);
     if (!part) return tl::unexpected(part.error());
     if (auto added = builder.add(term, {std::move(*part)}); !added)

@@ -21,11 +21,9 @@ PointAndTriangle gather(const Eigen::VectorXd& x, const NearPairs::Pair& pair) {
 double smallest_height_m(const SurfaceMesh& mesh) {
   double smallest = std::numeric_limits<double>::infinity();
   for (const auto& t : mesh.triangles) {
-    const Eigen::Vector2d a = mesh.material_m.col(t[0]), b = mesh.material_m.col(t[1]),
-                          c = mesh.material_m.col(t[2]);
-    const Eigen::Vector2d ab = b - a, ac = c - a;
+    const Eigen::Vector2d ab = mesh.way_m(t[0], t[1]), ac = mesh.way_m(t[0], t[2]);
     const double twice_area = std::abs(ab.x() * ac.y() - ab.y() * ac.x());
-    smallest = std::min(smallest, twice_area / std::max({ab.norm(), ac.norm(), (c - b).norm()}));
+    smallest = std::min(smallest, twice_area / std::max({ab.norm(), ac.norm(), (ac - ab).norm()}));
   }
   return smallest;
 }

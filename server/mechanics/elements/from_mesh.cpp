@@ -49,8 +49,8 @@ TriangleElements triangle_elements(const SurfaceMesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& n = mesh.triangles[t];
     Eigen::Matrix2d edges;
-    edges.col(0) = mesh.material_m.col(n[1]) - mesh.material_m.col(n[0]);
-    edges.col(1) = mesh.material_m.col(n[2]) - mesh.material_m.col(n[0]);
+    edges.col(0) = mesh.way_m(n[0], n[1]);
+    edges.col(1) = mesh.way_m(n[0], n[2]);
     elements.add(n, simplex_gradients<2>(edges), areas[t]);
   }
   elements.finish();

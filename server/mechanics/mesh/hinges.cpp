@@ -13,7 +13,7 @@ namespace tenter::mechanics {
 namespace {
 
 Hinge flat_hinge(const SurfaceMesh& mesh, const Edge& edge, const std::vector<double>& area) {
-  const Eigen::Vector2d along = mesh.material_m.col(edge.high) - mesh.material_m.col(edge.low);
+  const Eigen::Vector2d along = mesh.way_m(edge.low, edge.high);
   const double length = along.norm();
   const double left_weight = mesh.weight(edge.left_triangle);
   const double right_weight = mesh.weight(edge.right_triangle);

@@ -93,8 +93,7 @@ int family_of(const Spring& spring) {
 
 /// A pair of nodes with the unscaled share of the sheet that one edge gives it.
 Spring between(const SurfaceMesh& mesh, int a, int b, double share) {
-  const Eigen::Vector2d along =
-      mesh.material_m.col(std::max(a, b)) - mesh.material_m.col(std::min(a, b));
+  const Eigen::Vector2d along = mesh.way_m(std::min(a, b), std::max(a, b));
   return {std::min(a, b), std::max(a, b),      along.norm(),
           share,          direction_of(along), line_angle(along)};
 }
@@ -147,8 +146,8 @@ Springs mesh_springs(const SurfaceMesh& mesh) {
   for (const Edge& edge : edges(mesh)) {
     const double share = third_of(edge.left_triangle) + third_of(edge.right_triangle);
     ring1.push_back(between(mesh, edge.low, edge.high, share));
-    const bool apart = edge.interior() && mesh.material_m.col(edge.left_corner) !=
-                                              mesh.material_m.col(edge.right_corner);
+    const bool apart =
+        edge.interior() && !mesh.way_m(edge.left_corner, edge.right_corner).isZero(0.0);
     if (apart) ring2.push_back(between(mesh, edge.left_corner, edge.right_corner, share));
   }
   const double sheet = std::accumulate(area.begin(), area.end(), 0.0);

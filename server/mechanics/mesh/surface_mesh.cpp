@@ -16,16 +16,15 @@ namespace {
 using std::to_string;
 
 double doubled_area(const SurfaceMesh& mesh, const std::array<int, 3>& t) {
-  const Eigen::Vector2d a = mesh.material_m.col(t[1]) - mesh.material_m.col(t[0]);
-  const Eigen::Vector2d b = mesh.material_m.col(t[2]) - mesh.material_m.col(t[0]);
+  const Eigen::Vector2d a = mesh.way_m(t[0], t[1]);
+  const Eigen::Vector2d b = mesh.way_m(t[0], t[2]);
   return a.x() * b.y() - a.y() * b.x();
 }
 
 double longest_edge_squared(const SurfaceMesh& mesh, const std::array<int, 3>& t) {
   double longest = 0.0;
   for (std::size_t k = 0; k < 3; ++k)
-    longest = std::max(
-        longest, (mesh.material_m.col(t[(k + 1) % 3]) - mesh.material_m.col(t[k])).squaredNorm());
+    longest = std::max(longest, mesh.way_m(t[k], t[(k + 1) % 3]).squaredNorm());
   return longest;
 }
 
@@ -47,6 +46,8 @@ Expected<void> check_sizes(const SurfaceMesh& mesh) {
     if (!std::isfinite(mesh.triangle_weight[t]) || mesh.triangle_weight[t] <= 0.0)
       return bad_input("surface mesh: weight " + to_string(mesh.triangle_weight[t]) + " of " +
                        named(t, mesh.triangles[t]) + " is not positive");
+  if (!(mesh.period_u_m >= 0.0) || !std::isfinite(mesh.period_u_m))
+    return bad_input("surface mesh: a period of " + to_string(mesh.period_u_m) + " m");
   for (int node = 0; node < mesh.node_count(); ++node)
     if (!mesh.material_m.col(node).allFinite())
       return bad_input("surface mesh: node " + to_string(node) + " is not finite");
@@ -61,6 +62,11 @@ Expected<void> check_triangle(const SurfaceMesh& mesh, std::size_t triangle) {
                        to_string(mesh.node_count() - 1));
   if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
     return bad_input("surface mesh: " + named(triangle, t) + " uses a node twice");
+  if (mesh.period_u_m > 0.0)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (!(3.0 * std::abs(mesh.way_m(t[k], t[(k + 1) % 3]).x()) < mesh.period_u_m))
+        return bad_input("surface mesh: " + named(triangle, t) +
+                         " goes a third of the way around the tube or more");
   const double area2 = doubled_area(mesh, t);
   const double longest2 = longest_edge_squared(mesh, t);
   // the negated comparison also refuses what overflowed

@@ -10,6 +10,9 @@
 // layer's integral; edges and hinges are found within a layer. One plain triangulation leaves both
 // lists empty: one layer, weight 1.
 //
+// Tubes. Where a sheet closes on itself, u and u + period_u_m are one place: way_m() is the short
+// way between two nodes, and every length, area and gradient is made of such ways (tube.h).
+//
 //   auto mesh = make_surface_mesh(material_m, triangles);
 //   if (!mesh) return tl::unexpected(mesh.error());
 //   const std::vector<double> mass = lumped_masses_kg(*mesh, 0.187);
@@ -19,6 +22,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "common/base/error.h"
@@ -30,9 +34,16 @@ struct SurfaceMesh {
   std::vector<std::array<int, 3>> triangles;  ///< counter-clockwise in the material plane
   std::vector<double> triangle_weight;        ///< share of the material; empty = all 1
   std::vector<int> triangle_layer;            ///< covering it belongs to; empty = all 0
+  double period_u_m = 0.0;                    ///< of a tube; 0: an open sheet
 
   int node_count() const { return static_cast<int>(material_m.cols()); }
   int triangle_count() const { return static_cast<int>(triangles.size()); }
+  /// In the material from one node to another that is less than half a period away.
+  Eigen::Vector2d way_m(int from, int to) const {
+    Eigen::Vector2d way = material_m.col(to) - material_m.col(from);
+    if (period_u_m > 0.0) way.x() -= period_u_m * std::round(way.x() / period_u_m);
+    return way;
+  }
   double weight(int triangle) const {
     return triangle_weight.empty() ? 1.0 : triangle_weight[static_cast<std::size_t>(triangle)];
   }
@@ -47,9 +58,10 @@ inline constexpr double kFlattestTriangle = 1e-6;
 
 /// What every function below and every term takes for granted: finite nodes, indices in range,
 /// three different corners, positive area (not flipped, not near-degenerate), at most two triangles
-/// at an edge of one layer, no node without a triangle, weights positive and finite. bad_input
-/// names the triangle, edge or node. Two triangles of one layer that overlap without sharing an
-/// edge are not looked for: pieces of a garment may lie over each other in the plane.
+/// at an edge of one layer, no node without a triangle, weights positive and finite, edges that go
+/// less than a third of the way around a tube. bad_input names the triangle, edge or node. Two
+/// triangles of one layer that overlap without sharing an edge are not looked for: pieces of a
+/// garment may lie over each other in the plane.
 Expected<void> check(const SurfaceMesh& mesh);
 
 /// The mesh, or what is wrong with it.

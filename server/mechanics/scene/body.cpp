@@ -9,6 +9,7 @@
 #include "server/mechanics/mesh/mesh_text.h"
 #include "server/mechanics/mesh/outline.h"
 #include "server/mechanics/mesh/solid_text.h"
+#include "server/mechanics/mesh/tube.h"
 
 namespace tenter::mechanics {
 namespace {
@@ -44,7 +45,7 @@ Eigen::Vector3d wound_place(const Eigen::Vector3d& material, double length,
           -outer * s + q * (phi * s + c - 1.0)};
 }
 
-/// `read_m`: where a file had the nodes; empty for meshes that are made here.
+/// `read_m`: where a file had the nodes, or a tube has them; empty for what starts flat.
 Expected<SceneBody> sheet(Expected<Cloth> made, const Eigen::Matrix3Xd& read_m,
                           const scene::Scene& scene) {
   if (!made) return tl::unexpected(made.error());
@@ -91,6 +92,14 @@ Expected<SceneBody> body_of(const scene::GridMesh& grid, const scene::Scene& sce
   return sheet(cloth_of_grid({grid.nodes_u, grid.nodes_v, grid.length_u_m, grid.length_v_m},
                              diagonals_of(grid.diagonals)),
                {}, scene);
+}
+
+Expected<SceneBody> body_of(const scene::TubeMesh& tube, const scene::Scene& scene) {
+  auto mesh = tube_mesh({tube.nodes_around, tube.nodes_along, tube.radius_m, tube.length_m},
+                        diagonals_of(tube.diagonals));
+  if (!mesh) return tl::unexpected(mesh.error());
+  const Eigen::Matrix3Xd round_m = rolled_m(*mesh);
+  return sheet(cloth_of_mesh(std::move(*mesh)), round_m, scene);
 }
 
 Expected<SceneBody> body_of(const scene::OutlineMesh& outline, const scene::Scene& scene) {

@@ -282,8 +282,7 @@ void read_positions(JsonObject object, SheetDescription& out) {
   for (JsonObject& item : object.objects("points")) {
     PointSpec point;
     point.name = item.text("name");
-    if (const auto place = maybe_list<2>(item, "material"))
-      point.material_m = in_si(*place, to_m);
+    if (const auto place = maybe_list<2>(item, "material")) point.material_m = in_si(*place, to_m);
     if (point.material_m.has_value() == out.is_material_seen())
       item.defect().note(
           item.path_of("material"),

@@ -9,8 +9,8 @@
 //   balance  eps(T(s)) by StrainPoint: from flat to 3/r, then to the torque of the mesh's own shape
 //   chain    a chain of 400 hinges that finds its own shape; none without friction, where it creeps
 //
-// A mesh's shape is softer than its hinges across say, as diagonals fold too: on square cells by up to a
-// quarter of what the hinges turn, where nothing else holds them.
+// A mesh's shape is softer than its hinges across say, as diagonals fold too: on square cells by up
+// to a quarter of what the hinges turn, where nothing else holds them.
 //
 // Printed: rms curvature of each, and the rms difference of balance and shape over the shape's.
 #pragma once

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/experiment/moments.h"
+#include "common/experiment/wrinkle_measures.h"
 
 namespace tenter::experiment {
 
@@ -95,14 +96,27 @@ Expected<Value> kinetic_at(const Question& q) {
   return Value{q.run.kinetic_J[*frame], "J"};
 }
 
+/// Of what looks at one run alone.
+template <Expected<Value> (*measure)(const Measure&, const FrameSet&)>
+Expected<Value> of_run(const Question& q) {
+  return measure(q.measure, q.run);
+}
+
 struct Row {
   const char* kind;
   Expected<Value> (*value)(const Question&);
 };
 constexpr Row kRows[] = {
-    {"mean_strain", mean_strain},           {"rms_strain", rms_strain},
-    {"rms_curvature", rms_curvature},       {"work", work},
-    {"force_difference", force_difference}, {"kinetic_energy", kinetic_at},
+    {"mean_strain", mean_strain},
+    {"rms_strain", rms_strain},
+    {"rms_curvature", rms_curvature},
+    {"work", work},
+    {"force_difference", force_difference},
+    {"kinetic_energy", kinetic_at},
+    {"curvature_change", of_run<curvature_change>},
+    {"wrinkle_height", of_run<wrinkle_height>},
+    {"wrinkle_likeness", of_run<wrinkle_likeness>},
+    {"settling_time", of_run<settling_time>},
 };
 
 }  // namespace

@@ -23,6 +23,7 @@
 #include "server/estimation/sequences/material/grid_layout.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
 #include "server/estimation/staged/refit/grid_free_fit.h"
+#include "server/estimation/staged/splines/strain_histogram.h"
 #include "server/estimation/staged/unseen.h"
 #include "server/mechanics/law.h"
 #include "tests/bench/fabrics/frame_errors.h"
@@ -71,17 +72,31 @@ double reach(const twin::Fabric& cloth, twin::Mode mode) {
   }
 }
 
+/// Largest shear in the measured sheet without outliers, as stages choose it: beside free corners
+/// it is more than the picture frame's, and a curve that ended there would be wrong to make up for
+/// what is beyond.
+double local_shear(const Sequence& picture_frame, const model::Model& model) {
+  constexpr double kOutliers = 0.005;
+  const auto mesh = mechanics::MeshModel::make(model, picture_frame.cloth).value();
+  std::vector<mechanics::State> states;
+  for (const auto& frame : picture_frame.frames) states.push_back(*frame.start);
+  const auto [lo, hi] = estimation::strain_histograms(mesh, states)[2].range(kOutliers);
+  return std::max(-lo, hi);
+}
+
 /// The fabric's own form, but a shear curve over what the data reach, and bending constant: all of
 /// it can be found.
-model::Model elastic_form(const twin::Fabric& cloth, bool knows_twist) {
-  model::Model model = twin::fabric_model(cloth);
+model::Model elastic_form(const twin::Fabric& cloth, const Sequence& picture_frame,
+                          bool knows_twist) {
+  const model::Model truth = twin::fabric_model(cloth);
+  model::Model model = truth;
   const double true_twist = model.terms[5].law.parameters[0].value;
   for (std::size_t m = 2; m < model.terms.size(); ++m) {
     model::Law& law = model.terms[m].law;
     const bool is_curve = law.parameters.size() > 1 && m == 2;
     const double stiffness = law.parameters[law.parameters.size() / 2].value;
     law.name = is_curve ? "hermite_stiffness" : "linear";
-    law.range_hi = is_curve ? std::min(law.range_hi, reach(cloth, twin::Mode::shear)) : 0.0;
+    law.range_hi = is_curve ? std::min(law.range_hi, local_shear(picture_frame, truth)) : 0.0;
     law.range_lo = is_curve ? -law.range_hi : 0.0;
     law.parameters =
         model::default_parameters(*model::find_law(law.name), is_curve ? 5 : 1,
@@ -152,6 +167,18 @@ void print_curves(const twin::Fabric& cloth, const model::Model& fitted) {
     std::printf("  %-12s %13.2f%% %13.2f%%\n", fitted.terms[static_cast<std::size_t>(m)].id.c_str(),
                 100.0 * std::sqrt(squares), 100.0 * largest);
   }
+  const model::Law& shear = fitted.terms[2].law;
+  std::printf("  shear's stiffness, of %g to %g, with standard errors, and the true one:",
+              shear.range_lo, shear.range_hi);
+  for (std::size_t i = 0; i < shear.parameters.size(); ++i) {
+    const double strain = shear.range_lo + (shear.range_hi - shear.range_lo) *
+                                               static_cast<double>(i) /
+                                               std::max(1.0, shear.parameters.size() - 1.0);
+    std::printf("  %.2f +- %.2f (%.2f)", shear.parameters[i].value,
+                shear.parameters[i].std_error.value_or(0.0),
+                cloth.curve(twin::Mode::shear).stiffness(strain));
+  }
+  std::printf("\n");
   const auto k = [&](std::size_t term) { return fitted.terms[term].law.parameters[0].value; };
   const double twist = 3.0 * k(5) + 0.75 * (k(3) + k(4));
   std::printf("  %-12s %13.2f%%\n", "twist",
@@ -333,7 +360,7 @@ int main(int count, char** arguments) {
     std::printf("  %s\n", twins.error().message.c_str());
     return 1;
   }
-  model::Model model = elastic_form(cloth, asked.knows_twist);
+  model::Model model = elastic_form(cloth, (*twins)[2].coarse.sequence, asked.knows_twist);
   if (asked.friction > 1) model = with_friction(std::move(model), cloth);
   std::printf("fitted on the grid as it is\n");
   std::vector<Sequence> fitted_to;

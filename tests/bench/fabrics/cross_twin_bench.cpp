@@ -382,6 +382,13 @@ int main(int count, char** arguments) {
   for (const estimation::StageRecord& round : fit->rounds)
     std::printf(" %s: %s, %d iterations, %zu frames dropped\n", round.name.c_str(),
                 round.message.c_str(), round.iterations, round.dropped.size());
+  for (std::size_t s = 0; s < twins->size(); ++s)
+    if (const auto without =
+            std::count_if(fit->errors[s].frames.begin(), fit->errors[s].frames.end(),
+                          [](const auto& frame) { return !frame.rests; });
+        without > 0)
+      std::printf(" %td frames of %s have no estimate\n", without,
+                  (*twins)[s].coarse.sequence.name.c_str());
   std::printf(" %s: the estimate changed by %.2f of a reading; %.1f s\n",
               fit->settled ? "settled" : "not settled", fit->change_sigmas, seconds() - begin);
   print_all(cloth, *twins, fit->model, true);

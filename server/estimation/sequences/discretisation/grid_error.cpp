@@ -12,6 +12,7 @@
 #include "server/estimation/parallel.h"
 #include "server/estimation/sequences/observations.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
+#include "server/estimation/staged/resting_frames.h"
 #include "server/mechanics/assembly/mesh_model.h"
 #include "server/mechanics/law.h"
 
@@ -75,6 +76,20 @@ Expected<bool> fill(const model::Model& model, Sequence part, std::size_t first,
   return true;
 }
 
+/// The frames before the first without a rest: what a model that remembers can be asked for.
+Expected<Frames> on_path(const model::Model& model, Sequence sequence, int threads) {
+  Frames frames(sequence.frames.size());
+  const auto rest = resting_frames(model, sequence, mechanics::term_parameters(model),
+                                   SequenceOptions().tolerance_N);
+  if (!rest) return tl::unexpected(rest.error());
+  if (rest->restless.empty()) return frames;  // it was found once and not again
+  sequence.frames.resize(static_cast<std::size_t>(rest->restless.front().frame));
+  if (sequence.frames.empty()) return frames;
+  const auto filled = fill(model, std::move(sequence), 0, threads, frames);
+  if (!filled) return tl::unexpected(filled.error());
+  return frames;
+}
+
 /// All frames together; where one finds no rest, each by itself, but of a model that remembers,
 /// whose frames are one path.
 Expected<Frames> frames_of(const model::Model& model, const Sequence& sequence, int threads) {
@@ -82,7 +97,8 @@ Expected<Frames> frames_of(const model::Model& model, const Sequence& sequence, 
   const auto together = fill(model, sequence, 0, threads, frames);
   if (!together) return tl::unexpected(together.error());
   const auto bound = mechanics::MeshModel::make(model, sequence.cloth);
-  if (*together || (bound && bound->history_count() > 0)) return frames;
+  if (*together) return frames;
+  if (bound && bound->history_count() > 0) return on_path(model, sequence, threads);
   std::vector<std::optional<Error>> trouble(frames.size());
   in_parallel(threads, static_cast<int>(frames.size()), [&](int, int i) {
     const auto f = static_cast<std::size_t>(i);

@@ -15,8 +15,9 @@
 //
 // The curves need only be near: e is small, and its change with them smaller. Where the two grids
 // fold at different places e of the positions says nothing (see folds/): so it is of forces,
-// torques and areas alone unless asked for. A model that remembers its path goes along all of it on
-// both grids. Pure; cost is each frame's equilibrium on both grids.
+// torques and areas alone unless asked for. A model that remembers its path goes along it on both
+// grids, up to the first frame that has no rest on one. Pure; cost is each frame's equilibrium on
+// both grids.
 #pragma once
 
 #include <Eigen/Core>

@@ -254,7 +254,7 @@ class Stage {
       options.on_iteration = [&](int iteration, double cost) {
         return options_.on_progress({task_.name, points, iteration, cost});
       };
-    Fitted fitted{model, ties, fit_tied(*evaluator, ties, options), evaluator->states()};
+    Fitted fitted{model, ties, fit_tied(*evaluator, ties, options), evaluator->states(), {}};
     record_.iterations += fitted.result.iterations;
     record_.stopped |= fitted.result.stopped;
     if (!fitted.result.usable) return fitted;

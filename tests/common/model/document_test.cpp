@@ -50,7 +50,7 @@ TEST(ModelDocument, RoundTripKeepsEveryNumberToTheLastBit) {
   model.terms.push_back({"rub",
                          "internal_friction",
                          {"fibre", 0.1 + 0.2},
-                         {"dahl", 0.0, 0.0, default_parameters(*find_law("dahl"))},
+                         {"dahl", 0.0, 0.0, {}, default_parameters(*find_law("dahl"))},
                          {}});
   model.corrections.push_back({"zero", "load_cell_offset", std::string(64, 'b'), "x", "offset",
                                default_parameters(*find_correction("offset"))});
@@ -268,7 +268,7 @@ TEST(ModelDocument, ErrorsNameThePathOfTheKey) {
       {with_law(R"({"name": "linear", "parameters": {"q": 1}})"),
        "FILE: terms[0].law.parameters.q: there is no such parameter; the parameters are k"},
       {with_law(R"({"name": "linear", "parametres": {}})"),
-       "FILE: terms[0].law.parametres: unknown key; known here are name, range, parameters"},
+       "FILE: terms[0].law.parametres: unknown key; known here are name, range, knots, parameters"},
       {with_law(R"({"name": "magic"})"), "FILE: terms[0].law.name: there is no law 'magic'"},
       {with_law(R"({"name": "linear"})", R"({"name": "yaw"})"),
        "FILE: terms[0].strain.name: there is no strain measure 'yaw'"},

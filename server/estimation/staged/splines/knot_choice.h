@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "common/model/model.h"
-#include "server/estimation/sequences/observations.h"
+#include "server/estimation/residual_function.h"
 #include "server/estimation/staged/splines/strain_histogram.h"
 
 namespace tenter::estimation {

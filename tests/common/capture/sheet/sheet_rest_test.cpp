@@ -143,7 +143,7 @@ TEST(SheetRest, SaysWhatIsMissing) {
       "apart.");
   EXPECT_EQ(complaint(R"({"rest": {"runs": [2, 3]}})"), "knit.json: rest.runs: there is no run 3.");
   EXPECT_EQ(complaint(R"({"rest": {"clips": ["top", "left"]}})"),
-            "knit.json: slack frames are told by clip \"left\", which is not there.");
+            "knit.json: rest.clips: there is no clip \"left\".");
   EXPECT_EQ(complaint(R"({"rest": {"slack_below": {"value": 0, "unit": "mm"}}})"),
             "knit.json: rest.slack_below must be a length above zero.");
   EXPECT_EQ(complaint(R"({"positions": {"material": "last_frame"}})"),
@@ -168,7 +168,7 @@ TEST(RunSelection, KeepsWhatBelongsToTheRuns) {
   EXPECT_EQ(sheet.cords[0].direction[1], capture.sheet->cords[0].direction[3]);
   EXPECT_EQ(sheet.supports[0].edge_m, (std::vector<double>{0.02, 0.03}));
   EXPECT_EQ(bytes_of(*with_runs(capture, {5, 2})), bytes_of(capture));
-  EXPECT_EQ(message_of(with_runs(capture, {2, 3})), "there is no run 3, only 2");
+  EXPECT_EQ(message_of(with_runs(capture, {2, 3})), "there is no run 3, only 2, 5");
 }
 
 }  // namespace

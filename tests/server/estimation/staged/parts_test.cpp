@@ -189,8 +189,8 @@ TEST(KnotChoice, IsWhereTheCostIs) {
   const model::Law three = with_points(law, 3, one).value();
   const std::vector<double> three_knots = inner_knots(three, 5, left);
   ASSERT_EQ(three_knots.size(), 3U);
-  EXPECT_EQ(three_knots[1], one[0]);  // those that are there stay
-  EXPECT_NEAR(three_knots[0], 0.7, 0.02);
+  EXPECT_EQ(three_knots[1], one[0]);           // those that are there stay
+  EXPECT_NEAR(three_knots[0], 0.7, 0.8 / 32);  // to a bin of the histogram
   EXPECT_NEAR(three_knots[2], 0.9, 0.02);
   EXPECT_EQ(inner_knots(law, 3, StrainHistogram{}), (std::vector<double>{0.5}));
   law.name = "bspline_stiffness";

@@ -12,6 +12,8 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
+constexpr double kNothing = -36.0;  // e^this is beside one as its rounding
+
 Vector at(std::span<const double> x, std::size_t node) {
   return {x[3 * node], x[3 * node + 1], x[3 * node + 2]};
 }
@@ -61,7 +63,9 @@ std::vector<double> without_shape(const std::vector<double>& height,
     double sum = 0.0, weights = 0.0;
     for (std::size_t j = 0; j < height.size(); ++j) {
       const Vector way = minus(at(x, j), here);
-      const double weight = area[j] * std::exp(per_square * dot(way, way));
+      const double exponent = per_square * dot(way, way);
+      if (exponent < kNothing) continue;
+      const double weight = area[j] * std::exp(exponent);
       sum += weight * height[j];
       weights += weight;
     }

@@ -94,7 +94,7 @@ Mesh read_file(const Node& node) {
 }
 
 Mesh read_mesh(const Node& node) {
-  const std::string kind = one_of(node["kind"], {"grid", "tube", "outline", "box", "file"});
+  const std::string kind = one_of(node["kind"], {"grid", "outline", "tube", "box", "file"});
   if (kind == "grid") return read_grid(node);
   if (kind == "tube") return read_tube(node);
   if (kind == "outline") return read_outline(node);

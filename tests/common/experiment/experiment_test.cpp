@@ -31,7 +31,9 @@ frames::FrameSet square_run() {
     // F = (5 y, 0, 0): around the square -F does 5 times its area
     for (const double v : {5.0 * y[f], 0.0, 0.0}) run.force_N.push_back(v);
     for (int n = 0; n < 4; ++n)
-      for (const double v : {0.1 * n, 0.01 * f, 1.2345678e-4}) run.position_m.push_back(v);
+      for (const double v :
+           {0.1 * n, 0.01 * f + 0.02 * (n % 2), 1.2345678e-4 + 1e-3 * (n == 3) * f})
+        run.position_m.push_back(v);
   }
   run.strains = {{"weft", "green_u", "triangle", "1", {1.0, 3.0}, {{}}},
                  {"bend", "bend_u", "hinge", "1/m", {0.5}, {{}}}};
@@ -47,6 +49,7 @@ scene::Measure measure(const std::string& kind, const std::string& strain,
   m.strain = strain;
   m.clip = "hand";
   m.at = at;
+  m.width_m = 0.2;
   return m;
 }
 
@@ -129,6 +132,7 @@ TEST(Curves, ForceAndTravelAlongADirectionAndCurvatureAlongTheMaterial) {
 TEST(ExperimentDocument, EveryKindAnswersAndRunsStandBesideEachOther) {
   frames::FrameSet run = square_run();
   run.time_s = run.kinetic_J = {0.0, 1.0, 2.0, 3.0, 4.0};
+  run.velocity_m_s.assign(run.position_m.size(), 0.0);
   scene::Experiment experiment;
   for (const scene::Kind& kind : scene::measure_kinds())
     experiment.measures.push_back(measure(
@@ -149,7 +153,7 @@ TEST(ExperimentDocument, EveryKindAnswersAndRunsStandBesideEachOther) {
   for (const auto& [id, value] : whole["measures"].items()) EXPECT_TRUE(value.is_number()) << id;
   EXPECT_EQ(whole["measures"].size(), experiment.measures.size());
   for (const auto& curve : whole["curves"]) EXPECT_GT(curve["x"]["values"].size(), 0U) << curve;
-  EXPECT_EQ(whole["pictures"][0]["position_m"][3], nlohmann::json({0.3, 0.04, 0.000123}));
+  EXPECT_EQ(whole["pictures"][0]["position_m"][3], nlohmann::json({0.3, 0.06, 0.004123}));
   EXPECT_EQ(whole["triangles"], nlohmann::json({{0, 1, 2}, {1, 3, 2}}));
   const nlohmann::json& failed = (*document)["runs"][1];
   EXPECT_EQ(failed["completed"], false);

@@ -53,7 +53,10 @@ Key key_of(const std::string& role, bool loop, bool residual, bool unloading,
                    : Key{"measured load", "measured, loading"};
 }
 
-PlotSeries::Mark mark_of(const std::string& role, bool residual, bool unloading) {
+PlotSeries::Mark mark_of(const std::string& role, const std::string& said, bool residual,
+                         bool unloading) {
+  if (said == "line") return PlotSeries::Mark::line;
+  if (said == "dots") return PlotSeries::Mark::dots;
   if (role == "outlier") return PlotSeries::Mark::crosses;
   if (role == "baseline" || role == "extended")
     return residual ? PlotSeries::Mark::dots : PlotSeries::Mark::line;
@@ -120,7 +123,7 @@ std::string figure_html(const Json& figure, const std::string& capture_title,
       if (!block.empty() && series.name.find(block) == std::string::npos)
         series.name += ", " + block;
       series.css_class = key.shows;
-      series.mark = mark_of(role, residual, unloading);
+      series.mark = mark_of(role, text(entry, "mark"), residual, unloading);
       if (keyed.insert(key.shows).second)
         keys += "<button type=\"button\" aria-pressed=\"true\" data-shows=\"" + key.shows + "\">" +
                 legend_swatch(key.shows, series.mark) + escape_html(key.words) + "</button>";
@@ -139,8 +142,9 @@ std::string figure_html(const Json& figure, const std::string& capture_title,
 std::string section(const Json& result, const std::string& title, const std::string& anchor,
                     const std::string& note, const std::set<std::string>& kinds, bool all_others,
                     const ModelWords& models) {
-  static const std::set<std::string> known = {"loop", "transverse", "residual_strain",
-                                              "residual_time"};
+  static const std::set<std::string> known = {"loop",          "transverse", "residual_strain",
+                                              "residual_time", "weights",    "strip_profile",
+                                              "curvature",     "unloading",  "residual_torque"};
   const auto wanted = [&](const Json& figure) {
     const std::string kind = text(figure, "kind");
     return all_others ? known.count(kind) == 0 : kinds.count(kind) == 1;
@@ -169,7 +173,10 @@ std::string section(const Json& result, const std::string& title, const std::str
 }  // namespace
 
 std::string figure_sections(const Json& result, const ModelWords& models) {
-  return section(result, "Loops", "loops",
+  return section(result, "Readings of the test", "test",
+                 "What was read, every reading, and the model with the numbers above.",
+                 {"weights", "strip_profile", "curvature", "unloading"}, false, models) +
+         section(result, "Loops", "loops",
                  "Every reading as it was measured, loading and unloading apart, nothing averaged; "
                  "the models run the same path.",
                  {"loop"}, false, models) +
@@ -178,7 +185,7 @@ std::string figure_sections(const Json& result, const ModelWords& models) {
                  false, models) +
          section(result, "Residuals", "residuals",
                  "Measured minus model; a shaded band is one standard deviation of the noise.",
-                 {"residual_strain", "residual_time"}, false, models) +
+                 {"residual_strain", "residual_time", "residual_torque"}, false, models) +
          section(result, "More figures", "figures", "", {}, true, models);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/report/html_report.h"
 
+#include "common/report/friction/friction_section.h"
 #include "common/report/html_figures.h"
 #include "common/report/html_page.h"
 #include "common/report/html_parts.h"
@@ -14,11 +15,11 @@ namespace tenter::report {
 
 namespace {
 
-constexpr PageSection kSections[] = {{"captures", "Captures"},     {"loops", "Loops"},
-                                     {"transverse", "Transverse"}, {"residuals", "Residuals"},
-                                     {"model", "Model"},           {"parameters", "Parameters"},
-                                     {"path", "How it grew"},      {"screen", "Screen"},
-                                     {"checklist", "Checklist"},   {"figures", "More figures"}};
+constexpr PageSection kSections[] = {
+    {"friction", "Friction"}, {"test", "Readings"},         {"captures", "Captures"},
+    {"loops", "Loops"},       {"transverse", "Transverse"}, {"residuals", "Residuals"},
+    {"model", "Model"},       {"parameters", "Parameters"}, {"path", "How it grew"},
+    {"screen", "Screen"},     {"checklist", "Checklist"},   {"figures", "More figures"}};
 
 }  // namespace
 
@@ -29,14 +30,16 @@ Expected<std::string> render_html(const std::string& result_json) {
   if (text(result, "schema") == sheet::kSchema) return sheet::render_page(result);
 
   const std::string details =
-      capture_table(result) +
+      friction_section(result) + capture_table(result) +
       figure_sections(result, {"baseline model", "extended model", extends_baseline(result)}) +
       model_table(result) + parameter_table(result) + path_table(result) + screen_table(result) +
       checklist_table(result);
   std::string body = page_header(result, subject(result), headline(result), kSections, details);
   body += summary_cards(result) + verdict_table(result) + details;
   body += "<footer>" + fit_note(result) +
-          "<p>Errors are rms(measured \u2212 model) / rms(measured) over all stress channels. "
+          "<p>Errors are rms(measured \u2212 model) / rms(measured) over " +
+          measured_words(result) +
+          ". "
           "All units are SI; membrane stress is force per width.</p></footer>\n";
   return html_page(headline(result), body);
 }

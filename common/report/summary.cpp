@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/report/summary.h"
 
+#include "common/report/friction/friction_section.h"
 #include "common/report/sheet/sheet_report.h"
 #include "common/report/words.h"
 
@@ -42,6 +43,7 @@ bool has(const Json& result, const char* verdict) {
 
 std::string headline(const Json& result) {
   const std::string kind = text(result, "kind");
+  if (const std::string friction = friction_headline(result); !friction.empty()) return friction;
   if (kind != "diagnose") {
     const std::string what = kind == "simulate" ? "The simulation misses " : "The fit misses ";
     const std::optional<double> error = number(result, "error_after");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "common/report/friction/friction_section.h"
 #include "common/report/sheet/sheet_report.h"
 #include "common/report/summary.h"
 #include "common/report/text_parts.h"
@@ -121,6 +122,7 @@ Expected<std::string> render_text(const std::string& result_json, const TextStyl
   if (number(result, "unexplained_share"))
     out += "  " + padded("unexplained", 13) + " " + percent(number(result, "unexplained_share")) +
            " of what the baseline missed\n";
+  out += friction_text(result, style);
   out += capture_lines(result);
 
   out += checklist_text(result, style);

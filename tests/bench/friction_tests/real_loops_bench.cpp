@@ -80,16 +80,13 @@ void run(const Set& set, const std::filesystem::path& root) {
   const auto seconds = [&] { return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC; };
   const auto loops = jobs::loops_of(captures, set.direction);
   if (!loops) return void(std::printf("  %s\n", loops.error().message.c_str()));
-  const auto rate = jobs::ask_for_rate(loops->captures, loops->measure, {});
-  if (!rate) return void(std::printf("  %s\n", rate.error().message.c_str()));
-  std::printf("  %d runs, %d passed over. %s%s [%.1f CPU s]\n", loops->runs,
-              loops->runs_passed_over,
-              rate->answer == jobs::RateAnswer::viscosity ? "REFUSED: " : "", rate->words.c_str(),
-              seconds());
-  if (rate->answer == jobs::RateAnswer::viscosity) return;
   const auto found = fit_loops(loops->table, loops->measure);
   if (!found) return void(std::printf("  %s\n", found.error().message.c_str()));
-  print(*found, loops->table.readings.size());
+  const auto rate = jobs::ask_for_rate(loops->captures, found->friction.model, {});
+  if (!rate) return void(std::printf("  %s\n", rate.error().message.c_str()));
+  std::printf("  %d runs, %d passed over. %s%s\n", loops->runs, loops->runs_passed_over,
+              rate->answer == jobs::RateAnswer::viscosity ? "REFUSED: " : "", rate->words.c_str());
+  if (rate->answer != jobs::RateAnswer::viscosity) print(*found, loops->table.readings.size());
   std::printf("    [%.1f CPU s]\n", seconds());
 }
 

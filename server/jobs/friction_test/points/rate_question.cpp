@@ -8,7 +8,6 @@
 
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/verdicts.h"
-#include "server/estimation/friction_tests/friction_model.h"
 
 namespace tenter::jobs {
 namespace {
@@ -107,30 +106,33 @@ void compare_rates(const std::vector<Curves>& all, RateQuestion& question) {
 }
 
 struct BestTrial {
-  std::optional<diagnosis::Trial> trial;
+  double chi2 = 0.0;
   double information = 1e300;
 };
 
-/// The best of the screen's candidates of some effects, refitted.
-BestTrial best_of(const diagnosis::Screen& screen, const diagnosis::Prepared& prepared,
-                  std::initializer_list<const char*> effects) {
-  BestTrial best;
-  for (const char* id : effects) {
-    int tried = 0;
-    for (const diagnosis::Candidate& candidate : screen.candidates) {
-      constexpr int kTrials = 3;
-      if (candidate.effect->id != id || tried++ >= kTrials) continue;
-      diagnosis::Trial trial = diagnosis::refit(candidate, prepared.baseline, prepared.data);
-      if (!trial.fit.usable) continue;
-      const double information =
-          diagnosis::information(trial.fit.chi2, diagnosis::free_count(trial.model), 0,
-                                 prepared.baseline.fit.effective_rows);
-      if (information >= best.information) continue;
-      best.information = information;
-      best.trial = std::move(trial);
-    }
+/// The best of the screen's viscosities beside the fitted model, refitted.
+BestTrial best_viscosity(const diagnosis::Screen& screen, const diagnosis::Prepared& prepared) {
+  BestTrial best{prepared.baseline.fit.chi2, 1e300};
+  int tried = 0;
+  for (const diagnosis::Candidate& candidate : screen.candidates) {
+    constexpr int kTrials = 3;
+    if (candidate.effect->id != "viscosity" || tried++ >= kTrials) continue;
+    const diagnosis::Trial trial = diagnosis::refit(candidate, prepared.baseline, prepared.data);
+    if (!trial.fit.usable) continue;
+    const double information =
+        diagnosis::information(trial.fit.chi2, diagnosis::free_count(trial.model), 1,
+                               prepared.baseline.fit.effective_rows);
+    if (information < best.information) best = {trial.fit.chi2, information};
   }
   return best;
+}
+
+/// What of the facts friction cannot do.
+bool contradicts_friction(const RateQuestion& question) {
+  constexpr double kFallen = 0.1;
+  constexpr double kOtherWork = 0.15;
+  return question.fallen.value_or(0.0) > kFallen ||
+         std::abs(question.loss_ratio.value_or(1.0) - 1.0) > kOtherWork;
 }
 
 std::string share_text(double share) {
@@ -162,12 +164,10 @@ std::string facts(const RateQuestion& question) {
 
 Expected<RateQuestion> ask_for_rate(
     const std::vector<std::pair<std::string, capture::Capture>>& captures,
-    const std::string& measure, const diagnosis::Control& control) {
+    const model::Model& fitted, const diagnosis::Control& control) {
   diagnosis::Request request;
   request.captures = captures;
-  request.model = estimation::friction_model(measure);
-  request.model.name = "elastic_" + measure;
-  request.model.terms.resize(1);  // without the friction that is asked for
+  request.model = fitted;
   request.options.leave_out = "none";
   auto prepared = diagnosis::prepare(request, control);
   if (!prepared) return tl::unexpected(prepared.error());
@@ -193,29 +193,22 @@ Expected<RateQuestion> ask_for_rate(
       diagnosis::screen(prepared->baseline.model, prepared->baseline.fit, prepared->data,
                         prepared->noise, excitation, {kNullTwins, request.options.seed});
   if (control.stop.stop_requested()) return fail(ErrorKind::cancelled, "cancelled");
-  const BestTrial friction =
-      best_of(screen, *prepared, {"internal_friction", "strain_dependent_friction"});
-  const BestTrial viscosity = best_of(screen, *prepared, {"viscosity"});
+  const BestTrial best = best_viscosity(screen, *prepared);
   const double missed = prepared->baseline.fit.chi2;
-  const auto share = [&](const BestTrial& best) {
-    return best.trial && missed > 0.0 ? 1.0 - best.trial->fit.chi2 / missed : 0.0;
-  };
-  question.friction_share = share(friction);
-  question.viscosity_share = share(viscosity);
-  const double nothing = diagnosis::information(missed, diagnosis::free_count(request.model), 0,
-                                                prepared->baseline.fit.effective_rows);
+  question.viscosity_share = missed > 0.0 ? 1.0 - best.chi2 / missed : 0.0;
   question.evidence =
-      std::min(friction.information, nothing) - std::min(viscosity.information, nothing);
+      diagnosis::information(missed, diagnosis::free_count(prepared->baseline.model), 0,
+                             prepared->baseline.fit.effective_rows) -
+      best.information;
   constexpr double kDecisive = 10.0;  // as verdicts have it
-  const bool is_rate = question.evidence > kDecisive;
+  const bool is_rate = question.evidence > kDecisive && contradicts_friction(question);
   question.answer = is_rate ? RateAnswer::viscosity : RateAnswer::friction;
-  const std::string compared = "viscosity explains " + share_text(question.viscosity_share) +
-                               " of what a stiffness alone misses, friction " +
-                               share_text(question.friction_share);
+  const std::string explained = "viscosity explains " + share_text(question.viscosity_share) +
+                                " of what stiffness and friction miss";
   question.words = is_rate
-                       ? "this is no internal friction: the load depends on the rate of strain; " +
-                             compared + "." + facts(question)
-                       : compared + "." + facts(question);
+                       ? "this is no internal friction: the load depends on the rate of strain." +
+                             facts(question) + " And " + explained + "."
+                       : explained + "." + facts(question);
   return question;
 }
 

@@ -167,7 +167,6 @@ const char* answer_word(RateAnswer answer) {
 
 json rate_json(const RateQuestion& rate) {
   return {{"answer", answer_word(rate.answer)},
-          {"friction_share", number(rate.friction_share)},
           {"viscosity_share", number(rate.viscosity_share)},
           {"evidence", number(rate.evidence)},
           {"fallen", rate.fallen ? number(*rate.fallen) : json(nullptr)},
@@ -228,24 +227,24 @@ Expected<void> run_loops(const JobInput& input, const json& spec, const PointCap
   auto loops = loops_of(captures, spec["options"].value("direction", ""));
   if (!loops) return tl::unexpected(loops.error());
   const std::string words = std::to_string(loops->runs) + (loops->runs == 1 ? " run" : " runs");
-  report({"rate", words, 0, 0.0, 0.05});
-  diagnosis::Control control;
-  control.stop = stop;
-  control.threads = all_threads();
-  const auto rate = ask_for_rate(loops->captures, loops->measure, control);
-  if (stop.stop_requested()) return fail(ErrorKind::cancelled, "cancelled");
-  if (!rate) return tl::unexpected(rate.error());
-  if (rate->answer == RateAnswer::viscosity)
-    return fail(ErrorKind::refused, "loops: refused as friction: " + rate->words);
   estimation::FrictionFitOptions options;
   options.threads = all_threads();
   options.fit.on_iteration = [&](int iteration, double cost) {
-    report({"fit", words, iteration, cost, 0.4});
+    report({"fit", words, iteration, cost, 0.2});
     return !stop.stop_requested();
   };
   const auto found = fit_loops(loops->table, loops->measure, options);
   if (stop.stop_requested()) return fail(ErrorKind::cancelled, "cancelled");
   if (!found) return tl::unexpected(found.error());
+  report({"rate", words, 0, 0.0, 0.5});
+  diagnosis::Control control;
+  control.stop = stop;
+  control.threads = all_threads();
+  const auto rate = ask_for_rate(loops->captures, found->friction.model, control);
+  if (stop.stop_requested()) return fail(ErrorKind::cancelled, "cancelled");
+  if (!rate) return tl::unexpected(rate.error());
+  if (rate->answer == RateAnswer::viscosity)
+    return fail(ErrorKind::refused, "loops: refused as friction: " + rate->words);
   PointFindings findings;
   findings.test = loops_test(*loops, *found, *rate);
   const bool is_open = rate->answer == RateAnswer::not_asked;

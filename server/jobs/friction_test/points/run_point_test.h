@@ -6,7 +6,7 @@
 //   loops            captures of load-unload loops of one strain; options: {protocol, direction:
 //                    weft | warp}. Its part has also {runs, runs_passed_over, readings,
 //                    noise_is_from_fit, missed_share, lost_share, lost_share_of_model, rate:
-//                    {answer, friction_share, viscosity_share, evidence, fallen, hold_s,
+//                    {answer, viscosity_share, evidence, fallen, hold_s,
 //                    loss_ratio, rate_ratio, words}}
 //
 // Loops whose captures say that the load depends on the rate are refused with the evidence in words

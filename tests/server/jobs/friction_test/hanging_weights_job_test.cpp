@@ -71,8 +71,25 @@ TEST_F(HangingWeightsJob, GivesTheNumbersOfTheTable) {
   EXPECT_LT((*result)["error_after"].get<double>(), 0.05);
   const auto page = report::render_html(text_);
   ASSERT_TRUE(page) << page.error().message;
-  EXPECT_NE(page->find("friction.tau"), std::string::npos);
-  EXPECT_TRUE(report::render_text(text_));
+  for (const char* part :
+       {"friction.tau", "id=\"friction\"", "Length against weight", "5 of 5 numbers are told"})
+    EXPECT_NE(page->find(part), std::string::npos) << part;
+  const auto words = report::render_text(text_);
+  ASSERT_TRUE(words);
+  EXPECT_NE(words->find("Warp (hanging-weights)"), std::string::npos);
+  // readings lie about the model as the noise has it
+  const auto tables = report::read_residuals((folder_ / "staging" / "residuals.h5").string(),
+                                             {.channel = "hanging_stretch"});
+  ASSERT_TRUE(tables);
+  ASSERT_EQ(tables->size(), 1U);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < tables->front().size(); ++i)
+    squares += std::pow((tables->front().measured[i] - tables->front().predicted_extended[i]) /
+                            tables->front().sigma[i],
+                        2);
+  const double rms = std::sqrt(squares / static_cast<double>(tables->front().size()));
+  EXPECT_GT(rms, 0.7);
+  EXPECT_LT(rms, 1.3);
 }
 
 TEST_F(HangingWeightsJob, PrintsNoNumberThatTheDataDoNotTell) {

@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-json description_of(const twin::FrictionSample& sample) {
+json strips_description(const twin::FrictionSample& sample) {
   json d = json::parse(R"({
     "schema": "tenter.describe", "version": 1, "kind": "strip_profiles", "title": "Strips, warp",
     "columns": {
@@ -83,7 +83,7 @@ TEST_F(StripsJob, SpiralsAndCantileversGiveTheTable) {
                           {23.0, 1, true},
                           {31.5},
                           { 50.0 }}),
-         description_of(cloth).dump());
+         strips_description(cloth).dump());
   const auto result = run({{"protocol", "spiral"}});
   ASSERT_TRUE(result) << result.error().message;
   ASSERT_EQ((*result)["friction_test"]["parts"].size(), 1U);
@@ -132,8 +132,14 @@ TEST_F(StripsJob, SpiralsAndCantileversGiveTheTable) {
   const std::string first = text_;
   EXPECT_TRUE(run({{"protocol", "spiral"}}));
   EXPECT_EQ(text_, first);
-  EXPECT_TRUE(report::render_html(text_));
-  EXPECT_TRUE(report::render_text(text_));
+  const auto page = report::render_html(text_);
+  ASSERT_TRUE(page) << page.error().message;
+  for (const char* piece : {"id=\"friction\"", "id=\"test\"", "id=\"residuals\"",
+                            "Warp, positive sense", "Curvature along the strips", "strain 3 kappa"})
+    EXPECT_NE(page->find(piece), std::string::npos) << piece;
+  const auto words = report::render_text(text_);
+  ASSERT_TRUE(words);
+  EXPECT_NE(words->find("6 spirals, 1 cantilevers"), std::string::npos);
 }
 
 TEST_F(StripsJob, SensesAreFittedApart) {
@@ -146,8 +152,8 @@ TEST_F(StripsJob, SensesAreFittedApart) {
     to_one_face.push_back({radius, 1});
     to_the_other.push_back({radius, -1});  // and photographed from the other end
   }
-  import("one", table_of(cloth, to_one_face), description_of(cloth).dump());
-  import("other", table_of(other, to_the_other), description_of(cloth).dump());
+  import("one", table_of(cloth, to_one_face), strips_description(cloth).dump());
+  import("other", table_of(other, to_the_other), strips_description(cloth).dump());
   const auto result = run({{"protocol", "spiral"}, {"samples", 6}});
   ASSERT_TRUE(result) << result.error().message;
   const json& parts = (*result)["friction_test"]["parts"];
@@ -161,7 +167,7 @@ TEST_F(StripsJob, SensesAreFittedApart) {
 
 TEST_F(StripsJob, CantileversTellStiffnessAndNothingOfFriction) {
   const twin::FrictionSample& cloth = doublecloth();
-  import("strips", table_of(cloth, {{0.0}, {0.0}, { 5.0 }}), description_of(cloth).dump());
+  import("strips", table_of(cloth, {{0.0}, {0.0}, { 5.0 }}), strips_description(cloth).dump());
   const auto result = run({{"protocol", "cantilever"}});
   ASSERT_TRUE(result) << result.error().message;
   const json& part = (*result)["friction_test"]["parts"][0];
@@ -177,7 +183,7 @@ TEST_F(StripsJob, CantileversTellStiffnessAndNothingOfFriction) {
 
 TEST_F(StripsJob, SaysWhatIsWrong) {
   const twin::FrictionSample& cloth = doublecloth();
-  import("strips", table_of(cloth, {{ 0.0 }}), description_of(cloth).dump());
+  import("strips", table_of(cloth, {{ 0.0 }}), strips_description(cloth).dump());
   EXPECT_NE(refusal({{"protocol", "spiral"}}).find("no strip was rolled"), std::string::npos);
   EXPECT_NE(refusal({{"protocol", "cantilever"}, {"samples", 0}}).find("options.samples"),
             std::string::npos);
@@ -185,7 +191,7 @@ TEST_F(StripsJob, SaysWhatIsWrong) {
             std::string::npos);
   EXPECT_NE(refusal({{"protocol", "hanging-weights"}}).find("hanging weights"), std::string::npos);
   EXPECT_NE(refusal(json::object()).find("options.protocol"), std::string::npos);
-  json weft = description_of(cloth);
+  json weft = strips_description(cloth);
   weft["specimen"]["axis_angle"]["value"] = 0;
   import("weft", table_of(cloth, {{ 5.0 }}), weft.dump());
   EXPECT_NE(refusal({{"protocol", "spiral"}}).find("another direction"), std::string::npos);

@@ -123,6 +123,7 @@ std::unique_ptr<CLI::App> make_app(Context& context) {
   add_report(*app, context);
   add_capture(*app, context);
   add_model(*app, context);
+  add_effects(*app, context);
   add_scene(*app, context);
   add_job(*app, context);
   add_server(*app, context);

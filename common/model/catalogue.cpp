@@ -40,10 +40,10 @@ std::string_view unit_of(bool energy, bool seconds, int metres) {
     std::string_view text;
   };
   static constexpr Unit kUnits[] = {
-      {true, false, -2, "N/m^2"}, {true, false, -1, "N/m"},  {true, false, 0, "N"},
-      {true, false, 1, "N m"},    {true, false, 2, "N m^2"}, {true, true, -2, "N s/m^2"},
-      {true, true, -1, "N s/m"},  {true, true, 1, "N s m"},  {false, false, 0, "1"},
-      {false, false, -1, "1/m"},  {false, false, 2, "m^2"}};
+      {true, false, -2, "N/m^2"},  {true, false, -1, "N/m"},  {true, false, 0, "N"},
+      {true, false, 1, "N m"},     {true, false, 2, "N m^2"}, {true, false, 3, "N m^3"},
+      {true, true, -2, "N s/m^2"}, {true, true, -1, "N s/m"}, {true, true, 1, "N s m"},
+      {false, false, 0, "1"},      {false, false, -1, "1/m"}, {false, false, 2, "m^2"}};
   for (const Unit& unit : kUnits)
     if (unit.energy == energy && unit.seconds == seconds && unit.metres == metres) return unit.text;
   return "";
@@ -101,6 +101,8 @@ const std::vector<StrainRow>& strain_catalogue() {
       {"green_deviator", 2, false, "difference of the Green-Lagrange strains along weft and warp, and w_u . w_v"},
       {"green_pair", 2, false, "Green-Lagrange strains along weft and warp, together"},
       {"green_pair_vu", 2, false, "Green-Lagrange strains along warp and weft, together, warp first"},
+      {"green_u_shear", 2, false, "Green-Lagrange strain along the weft and w_u . w_v, together"},
+      {"green_v_shear", 2, false, "Green-Lagrange strain along the warp and w_u . w_v, together"},
       {"soft_u", 1, false, "engineering strain along the weft, |w_u| - 1"},
       {"soft_v", 1, false, "engineering strain along the warp, |w_v| - 1"},
       {"soft_pair", 2, false, "engineering strains along weft and warp, together"},
@@ -168,6 +170,8 @@ const std::vector<LawRow>& law_catalogue() {
       {"plastic_set", 1, false, 0, true, false, {{"c", "N/m", 0.0, kNone, 10.0, false, 2}, {"yield_strain", "1", 0.0, kNone, 0.05, false, -1}}, "strain beyond the yield strain that stays, growing with new maxima only"},
       {"plastic_set_coupled", 2, false, 0, true, false, {{"c", "N/m", 0.0, kNone, 10.0, false, 2}, {"coupling", "N/m", kNone, kNone, 0.0, false, 2}, {"yield_strain", "1", 0.0, kNone, 0.05, false, -1}}, "plastic set of the first strain that also shifts the stress of the second"},
       {"softening", 1, false, 0, true, false, {{"k", "N/m", 0.0, kNone, 10.0, false, 2}, {"strain_scale", "1", 1e-6, kNone, 0.1, false, -1}, {"power", "1", 1.0, 8.0, 1.0, true}}, "stress k eps^power that the first loading to each new maximum had and later ones lose (Mullins)"},
+      {"cross_modal", 2, false, 0, false, false, {{"c", "N/m", 0.0, kNone, 1e4, false, 4}}, "each of two strains stiffens the other: energy c/2 eps_1^2 eps_2^2 (thesis table 4.1)"},
+      {"strain_limit", 0, false, 0, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}, {"limit", "1", 1e-6, kNone, 0.05, false, -1}}, "sudden stiffening: energy k/2 (|eps| - limit)^2 beyond the limit, nothing below it"},
   };
   return rows;
 }
@@ -180,6 +184,10 @@ const std::vector<CorrectionRow>& correction_catalogue() {
       {"drift", {{"rate", "N/(m s)", kNone, kNone, 0.0}}, "the channel's zero moves with the clock"},
       {"delay", {{"value", "s", kNone, kNone, 0.0}}, "the channel shows the value of a moment earlier (later where negative)"},
       {"clip_slip", {{"step", "N/m", kNone, kNone, 0.0}, {"at_frame", "1", 0.0, kNone, 0.0, true}}, "the force steps at a frame because a clip slipped"},
+      {"cord_friction", {{"mu", "1", 0.0, 1.0, 0.0}}, "the channel shows a share of the tension more while its strain grows, less while it falls"},
+      {"saturation", {{"share", "1", 0.0, 2.0, 0.0}, {"cap", "N/m", kNone, kNone, 0.0}}, "the channel loses a share of what is above a cap; 1: a flat top"},
+      {"camera_scale", {{"scale", "1", 0.0, kNone, 1.0}}, "the observed change of length is shown times a factor"},
+      {"camera_length", {{"scale", "1", 0.0, kNone, 1.0}}, "the observed length is shown times a factor, also at rest"},
   };
   return rows;
 }

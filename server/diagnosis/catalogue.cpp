@@ -6,10 +6,14 @@ namespace tenter::diagnosis {
 
 const std::vector<Effect>& catalogue() {
   static const std::vector<Effect> rows = {
-      nonlinear_stiffness(),       anisotropy(),     poisson_coupling(), internal_friction(),
-      strain_dependent_friction(), viscosity(),      plastic_set(),      first_cycle_softening(),
-      load_cell_offset(),          load_cell_gain(), load_cell_drift(),  clip_slip(),
-      force_camera_delay(),
+      // clang-format off
+      nonlinear_stiffness(), anisotropy(), poisson_coupling(), cross_modal_stiffening(),
+      internal_friction(), strain_dependent_friction(), viscosity(),
+      plastic_set(), first_cycle_softening(), strain_limit(),
+      cord_friction(),
+      load_cell_offset(), load_cell_gain(), load_cell_drift(), load_cell_saturation(),
+      clip_slip(), force_camera_delay(), camera_scale(),
+      // clang-format on
   };
   return rows;
 }

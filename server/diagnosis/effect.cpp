@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <set>
 
 #include "common/model/catalogue.h"
@@ -143,6 +144,18 @@ Excitation examine(const std::vector<Curves>& curves) {
   e.has_hold = e.has_hold && e.has_clock;
   e.stress_components.assign(components.begin(), components.end());
   return e;
+}
+
+Effect described(const std::string& id) {
+  const effects::Row* row = effects::find(id);
+  if (row == nullptr) std::abort();  // a row of our own catalogue without words
+  Effect effect;
+  effect.id = row->id;
+  effect.words = row->words;
+  effect.kind = row->kind;
+  effect.mistaken_for = row->mistaken_for;
+  effect.split_by = row->protocol;
+  return effect;
 }
 
 model::Model extend(const model::Model& base, const Variant& variant, const Setting& setting,

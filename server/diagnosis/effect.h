@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // An effect: one cause of misfit that the catalogue knows, with the ways to extend a model by it.
 //
-// A new effect is one file in effects/, one row in catalogue.cpp and one test. It says
-//   - its id (design table), what it is in words, whether the material or a sensor is to blame;
+// A new effect is one file in effects/, one row in catalogue.cpp and one test; its words (id, kind,
+// protocol, neighbours) are its row in common/effects, which described() takes over. It says
 //   - its variants: terms to append, laws to replace, parameters to free, sensor corrections to
 //   add. At its start values
 //     a variant changes nothing ("off"); parameters that enter nonlinearly come on a grid;
-//   - when the captures cannot show it at all, and which protocol would;
-//   - whom it is mistaken for, and the protocol that splits them.
+//   - when the captures cannot show it at all.
 #pragma once
 
 #include <functional>
@@ -17,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/effects/effects.h"
 #include "common/model/model.h"
 #include "server/estimation/curves.h"
 
@@ -64,20 +64,12 @@ struct Variant {
       finer;  ///< looked at only for the variant of its effect that the grid likes best
 };
 
-struct NextProtocol {
-  std::string name;
-  std::string words;
-  struct Phase {
-    std::string kind;
-    std::string words;
-  };
-  std::vector<Phase> phases;
-};
+using NextProtocol = effects::Protocol;
 
 struct Effect {
   std::string id;
-  std::string words;  ///< completes "The specimen shows ..." or "The channel shows ..."
-  enum class Kind { material, sensor } kind = Kind::material;
+  std::string words;  ///< as its row in common/effects says them, like all that is words here
+  effects::Kind kind = effects::Kind::material;
   bool in_every_run = true;  ///< false: an accident; what is left out cannot be asked for it
   bool needs_rate = false;   ///< without time or rate at most AMBIGUOUS
   std::vector<std::string> mistaken_for;
@@ -87,6 +79,9 @@ struct Effect {
   /// Why the captures cannot show it; nothing: they can.
   std::function<std::optional<std::string>(const model::Model&, const Excitation&)> not_excited;
 };
+
+/// An effect with the words of its row in common/effects, which must be there.
+Effect described(const std::string& id);
 
 /// All effects, in the order of the design table.
 const std::vector<Effect>& catalogue();

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/diagnosis/checks/lattice.h"
+
 namespace tenter::diagnosis {
 namespace {
 
@@ -81,6 +83,7 @@ Expected<Prepared> prepare(const Request& request, const Control& control) {
     if (!curves) return tl::unexpected(curves.error());
     prepared.curves.push_back(std::move(*curves));
   }
+  note_resolution(prepared.curves);
   estimation::FitOptions options;
   options.on_iteration = [&](int iteration, double cost) {
     control.report({"baseline", request.model.name, iteration, cost, 0.05});

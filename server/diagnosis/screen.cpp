@@ -67,11 +67,13 @@ class Gathering {
       const std::string id = correction.id;
       apply(setting, id, correction.parameters);
       for (std::size_t k = 0; k < correction.parameters.size(); ++k) {
-        if (correction.parameters[k].fixed) continue;
+        const model::Parameter& p = correction.parameters[k];
+        const std::string address = id + "." + p.name;
+        if (p.fixed || is_set(setting, address)) continue;
         entry.columns.push_back(correction_parameters_ + static_cast<int>(k) + kCorrectionBase);
-        entry.addresses.push_back(id + "." + correction.parameters[k].name);
-        entry.one_sided.push_back(false);
-        entry.off.push_back(correction.parameters[k].value);
+        entry.addresses.push_back(address);
+        entry.one_sided.push_back(p.lower && *p.lower == p.value);
+        entry.off.push_back(p.value);
       }
       correction_parameters_ += static_cast<int>(correction.parameters.size());
       added_corrections_.push_back(std::move(correction));
@@ -103,6 +105,11 @@ class Gathering {
  private:
   static constexpr int kCorrectionBase = 1 << 20;
 
+  static bool is_set(const Setting& setting, const std::string& address) {
+    return std::any_of(setting.begin(), setting.end(),
+                       [&](const auto& s) { return s.first == address; });
+  }
+
   static void apply(const Setting& setting, const std::string& id,
                     std::vector<model::Parameter>& parameters) {
     for (const auto& [address, value] : setting)
@@ -124,9 +131,7 @@ class Gathering {
     for (std::size_t k = 0; k < term.law.parameters.size(); ++k) {
       const model::Parameter& p = term.law.parameters[k];
       const std::string address = id + "." + p.name;
-      const bool nonlinear = std::any_of(setting.begin(), setting.end(),
-                                         [&](const auto& s) { return s.first == address; });
-      if (p.fixed || nonlinear) continue;
+      if (p.fixed || is_set(setting, address)) continue;
       entry.columns.push_back(found->second + static_cast<int>(k));
       entry.addresses.push_back(address);
       entry.one_sided.push_back(p.lower && *p.lower == 0.0);

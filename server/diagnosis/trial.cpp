@@ -6,6 +6,8 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 
+#include "common/model/catalogue.h"
+
 namespace tenter::diagnosis {
 
 using estimation::ParameterState;
@@ -75,8 +77,8 @@ Trial refit(const Candidate& candidate, const Reference& base, const DataPointer
 namespace {
 
 bool enters_nonlinearly(const std::string& name) {
-  for (const char* ending :
-       {".tau", ".relaxation_time", ".strain_scale", ".yield_strain", ".at_frame"})
+  for (const char* ending : {".tau", ".relaxation_time", ".strain_scale", ".yield_strain",
+                             ".at_frame", ".cap", ".limit"})
     if (name.ends_with(ending)) return true;
   return false;
 }
@@ -147,7 +149,7 @@ void check_parameters(Trial& trial) {
   };
   for (const model::Term& term : trial.variant.append) check(term.id, 0.0);
   for (const model::SensorCorrection& c : trial.variant.corrections)
-    check(c.id, c.type == "gain" ? 1.0 : 0.0);
+    check(c.id, model::find_correction(c.type)->parameters.front().value);
 }
 
 /// An accident is an event: within a few frames of the place where it is said to be, the residuals

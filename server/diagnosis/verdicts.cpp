@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "server/diagnosis/checks/lattice.h"
 #include "server/diagnosis/model_edit.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/score.h"
@@ -95,7 +96,7 @@ Verdict verdict_for(const Diagnosis& d, const std::string& id,
     words += "; this capture cannot tell it from " + list_words(verdict.alternatives);
     verdict.next_protocol = effect.split_by;
   } else {
-    verdict.kind = effect.kind == Effect::Kind::sensor ? VerdictKind::sensor : VerdictKind::named;
+    verdict.kind = effect.kind == effects::Kind::sensor ? VerdictKind::sensor : VerdictKind::named;
   }
   words += ". It accounts for " + percent(verdict.size) +
            (size.of_force ? " of the force" : " of the free stretch");
@@ -264,6 +265,7 @@ void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Exc
     d.verdicts.push_back(verdict_for(d, id, by_effect[id], excitation, seed));
   std::stable_sort(d.verdicts.begin(), d.verdicts.end(),
                    [](const Verdict& a, const Verdict& b) { return a.size > b.size; });
+  if (auto steps = quantisation_verdict(d)) d.verdicts.push_back(std::move(*steps));
   add_outliers(d);
   add_unexplained(d, !d.verdicts.empty());
   add_not_excited(d, {order.begin(), order.end()});

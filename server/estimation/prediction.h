@@ -6,9 +6,7 @@
 //   measured value
 //
 // Parameters are those of the model's terms, then those of its sensor corrections, flat, in
-// document order. A sensor correction acts on the predicted stress of its component:
-//
-//   shown = gain P(t - delay) + offset + rate (t - t0) + step [frame >= at_frame]
+// document order; what a sensor correction does is said by sensor_chain.h.
 //
 // An Evaluator is built once per model and set of curves; `evaluate` is then called thousands of
 // times.
@@ -22,6 +20,7 @@
 #include "common/model/model.h"
 #include "server/estimation/curves.h"
 #include "server/estimation/residual_function.h"
+#include "server/estimation/sensor_chain.h"
 #include "server/mechanics/material_point.h"
 
 namespace tenter::estimation {
@@ -44,7 +43,7 @@ class Evaluator final : public ResidualFunction {
  public:
   static Expected<Evaluator> make(const model::Model& model, std::shared_ptr<const DataSet> data);
 
-  int parameter_count() const override { return parameter_count_; }
+  int parameter_count() const override { return chain_.parameter_count(); }
   const std::vector<Row>& rows() const override { return rows_; }
   [[nodiscard]] mechanics::PathStatus evaluate(const Eigen::VectorXd& parameters,
                                                Eigen::VectorXd& residuals,
@@ -58,30 +57,14 @@ class Evaluator final : public ResidualFunction {
   const std::vector<mechanics::PathResponse>& responses() const { return responses_; }
 
  private:
-  struct Correction {
-    enum class Type { offset, gain, drift, delay, clip_slip };
-    Type type = Type::offset;
-    int first_parameter = 0;
-    std::string capture;
-    int component = -1;  ///< -1: all
-  };
-  struct Shown {
-    double value = 0.0;
-    Eigen::RowVectorXd by_p;
-  };
-  void show(const Curves& curves, const mechanics::PathResponse& response, int component, int frame,
-            const Eigen::VectorXd& parameters, bool sensitivities, Shown& shown) const;
-
   std::shared_ptr<const DataSet> data_;
   std::shared_ptr<const mechanics::MaterialPoint> point_;
-  std::vector<Correction> corrections_;
+  SensorChain chain_;
   std::vector<Row> rows_;
   std::vector<double> measured_;
   std::vector<double> sigma_;
   std::vector<mechanics::PathResponse> responses_;
   mechanics::MaterialPoint::Workspace scratch_;
-  int term_parameters_ = 0;
-  int parameter_count_ = 0;
 };
 
 /// All parameters of a model in flat order: terms first, then corrections.

@@ -63,6 +63,14 @@ void green_pair_vu(const Vector3d& c, double, StrainValue& out) {
   linear_in_c(c, {0.0, 0.5, 0.0}, -0.5, 0, out);
   linear_in_c(c, {0.5, 0.0, 0.0}, -0.5, 1, out);
 }
+void green_u_shear(const Vector3d& c, double, StrainValue& out) {
+  linear_in_c(c, {0.5, 0.0, 0.0}, -0.5, 0, out);
+  linear_in_c(c, {0.0, 0.0, 1.0}, 0.0, 1, out);
+}
+void green_v_shear(const Vector3d& c, double, StrainValue& out) {
+  linear_in_c(c, {0.0, 0.5, 0.0}, -0.5, 0, out);
+  linear_in_c(c, {0.0, 0.0, 1.0}, 0.0, 1, out);
+}
 void stretch_u(const Vector3d& c, double, StrainValue& out) {
   stretch_minus_one(c, {1.0, 0.0, 0.0}, 0, out);
 }
@@ -147,6 +155,8 @@ constexpr Row kRows[] = {
     {"soft_pair", 2, false, soft_pair},
     {"area", 1, false, area},
     {"green_pair_vu", 2, true, green_pair_vu},
+    {"green_u_shear", 2, true, green_u_shear},
+    {"green_v_shear", 2, true, green_v_shear},
     {"green_square", 1, false, green_square},
     {"principal_stretches", 2, false, principal},
 };

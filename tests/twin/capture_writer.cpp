@@ -49,7 +49,8 @@ AxisState fixed_at(double value) {
 }  // namespace
 
 capture::Capture write_down(const PlannedCapture& plan, const std::string& suite, Readings readings,
-                            const NoiseLevels& noise, bool declared, Random& random) {
+                            const NoiseLevels& noise, const std::array<double, 2>& step_N_m,
+                            bool declared, Random& random) {
   capture::Capture capture;
   capture.kind = "homogeneous_strain";
   capture.title = "SYNTHETIC twin, " + plan.name;
@@ -112,18 +113,19 @@ capture::Capture write_down(const PlannedCapture& plan, const std::string& suite
   }
 
   const bool in_newton = !plan.shears && !(moves_x && moves_y);
-  const auto load_cell = [&](const std::string& component, std::vector<double> stress,
-                             double width) {
+  const auto load_cell = [&](const std::string& component, std::vector<double> stress, double width,
+                             double step) {
     if (stress.empty()) return;
     const std::string name = (in_newton ? "force_" : "stress_") + component;
     if (in_newton)
       for (double& value : stress) value *= width;
     add(name, in_newton ? Quantity::force : Quantity::membrane_stress, in_newton ? "N" : "N/m",
         std::move(stress), noise.stress_N_m * (in_newton ? width : 1.0), NoiseShares{});
+    show_in_steps(step * (in_newton ? width : 1.0), capture.channels.back().values);
     capture.stresses.push_back({component, name});
   };
-  load_cell("x", std::move(readings.stress_x), kWidthOfX);
-  load_cell("y", std::move(readings.stress_y), kWidthOfY);
+  load_cell("x", std::move(readings.stress_x), kWidthOfX, step_N_m[0]);
+  load_cell("y", std::move(readings.stress_y), kWidthOfY, step_N_m[1]);
   if (plan.shears) {
     add("stress_xy", Quantity::membrane_stress, "N/m", std::move(readings.stress_shear),
         noise.shear_stress_N_m, NoiseShares{});

@@ -3,6 +3,7 @@
 // roles, repeats.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "common/capture/capture.h"
@@ -15,8 +16,9 @@ namespace tenter::twin {
 
 /// Strips and free pulls carry forces in newton with their widths, the other captures membrane
 /// stresses in N/m. `declared`: the channels say their standard deviation; otherwise 0, and only
-/// repeats tell it.
+/// repeats tell it. `step_N_m`: of the displays of the x and y cells, 0 for none.
 capture::Capture write_down(const PlannedCapture& plan, const std::string& suite, Readings readings,
-                            const NoiseLevels& noise, bool declared, Random& random);
+                            const NoiseLevels& noise, const std::array<double, 2>& step_N_m,
+                            bool declared, Random& random);
 
 }  // namespace tenter::twin

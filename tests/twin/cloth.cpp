@@ -77,6 +77,17 @@ Nominal step(const Cloth& cloth, double angle, const Deformation& next, double d
         soft * own[i] * strain[i] + k.c12 * strain[1 - i] + cloth.cubic[i] * e[i] * e[i] * e[i];
   }
 
+  const double shear = 2.0 * e[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double other = e[1 - i];
+    stress[i] +=
+        cloth.cross_stretch * e[i] * other * other + cloth.cross_shear * e[i] * shear * shear;
+    // half of dPsi/dEuv, which counts both off-diagonal entries
+    stress[2] += cloth.cross_shear * e[i] * e[i] * shear;
+    const double beyond = std::abs(e[i]) - cloth.limit_strain;
+    if (beyond > 0.0) stress[i] += std::copysign(cloth.limit_stiffness[i] * beyond, e[i]);
+  }
+
   if (dt > 0.0)
     for (std::size_t i = 0; i < 2; ++i) {
       const double de = e[i] - state.green[i];

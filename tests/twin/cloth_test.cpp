@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -60,6 +61,42 @@ TEST(TwinCloth, StressIsDerivativeOfEnergyAtAnAngle) {
               1e-6);
   EXPECT_NEAR(p.shear,
               (energy({f.x, f.y, f.shear + h}) - energy({f.x, f.y, f.shear - h})) / (2 * h), 1e-6);
+}
+
+// in rotated axes, with every addend that stiffens: the nominal stress is the derivative of the
+// energy
+TEST(TwinCloth, AddendsThatStiffenHaveAnEnergy) {
+  Cloth cloth;
+  cloth.elastic = {0.0, 0.0, 0.0, 0.0};
+  cloth.cross_stretch = 2e4;
+  cloth.cross_shear = 3e4;
+  cloth.limit_stiffness = {500.0, 700.0};
+  cloth.limit_strain = 0.02;
+  const double angle = 0.6;
+  const auto energy = [&](const Deformation& f) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    const double exx = 0.5 * (f.x * f.x - 1), eyy = 0.5 * (f.shear * f.shear + f.y * f.y - 1),
+                 exy = 0.5 * f.x * f.shear;
+    const double eu = c * c * exx + s * s * eyy - 2 * c * s * exy;
+    const double ev = s * s * exx + c * c * eyy + 2 * c * s * exy;
+    const double g = 2.0 * (c * s * (exx - eyy) + (c * c - s * s) * exy);
+    const double lu = std::max(0.0, std::abs(eu) - 0.02), lv = std::max(0.0, std::abs(ev) - 0.02);
+    return 1e4 * eu * eu * ev * ev + 1.5e4 * (eu * eu + ev * ev) * g * g + 250.0 * lu * lu +
+           350.0 * lv * lv;
+  };
+  const Deformation f{1.12, 1.07, 0.05};
+  ClothState state;
+  const Nominal p = step(cloth, angle, f, 0.0, state);
+  const double h = 1e-6;
+  EXPECT_GT(p.x, 10.0);
+  EXPECT_NEAR(p.x, (energy({f.x + h, f.y, f.shear}) - energy({f.x - h, f.y, f.shear})) / (2 * h),
+              1e-6);
+  EXPECT_NEAR(p.y, (energy({f.x, f.y + h, f.shear}) - energy({f.x, f.y - h, f.shear})) / (2 * h),
+              1e-6);
+  EXPECT_NEAR(p.shear,
+              (energy({f.x, f.y, f.shear + h}) - energy({f.x, f.y, f.shear - h})) / (2 * h), 1e-6);
+  // below the limit, and with one mode alone, nothing
+  EXPECT_EQ(step(cloth, 0.0, {1.019, 1.0, 0.0}, 0.0, state).x, 0.0);
 }
 
 TEST(TwinCloth, DahlFrictionSaturatesAndReversesAsItsSolutionSays) {

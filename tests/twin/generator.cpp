@@ -135,7 +135,7 @@ Expected<Twin> make_twin(const TwinCase& twin_case) {
   for (std::size_t c = 0; c < plans->size(); ++c) {
     twin.captures.push_back(write_down((*plans)[c], twin_case.suite,
                                        measure((*plans)[c], c, truth.cloth, truth.faults), noise,
-                                       declared, noise_stream));
+                                       truth.faults.step_N_m, declared, noise_stream));
     twin.captures.back().provenance.notes = notes;
   }
   return twin;

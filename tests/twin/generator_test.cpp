@@ -159,6 +159,47 @@ TEST(TwinGenerator, AClipSlipsOnceAndInOneRun) {
   EXPECT_EQ(runs, std::set<int>{truth.faults.slip_run});
 }
 
+// cords, caps and cameras turn sound readings into false ones by their own formulas
+TEST(TwinGenerator, CordsCapsAndCamerasChangeReadingsAsTheySay) {
+  const std::vector<PlannedCapture> plans = *plan_suite("rich", Random(1));
+  Faults faults;
+  faults.cord_friction = {0.1, 0.0};
+  faults.cap_N_m = {1e300, 5.0};
+  faults.camera_scale = 1.2;
+  const Readings sound = measure(plans[0], 0, Cloth{}, {}),
+                 shown = measure(plans[0], 0, Cloth{}, faults);
+  int pulled = 0, let_back = 0, capped = 0;
+  for (std::size_t i = 1; i < sound.stress_x.size(); ++i) {
+    const double travel = plans[0].frames[i].strain_x - plans[0].frames[i - 1].strain_x;
+    const double ratio = shown.stress_x[i] / sound.stress_x[i];
+    if (travel != 0.0 && sound.stress_x[i] > 1.0) {
+      EXPECT_NEAR(ratio, travel > 0.0 ? 1.1 : 0.9, 1e-9);
+      ++(travel > 0.0 ? pulled : let_back);
+    }
+    EXPECT_EQ(shown.stress_y[i], std::min(sound.stress_y[i], 5.0));
+    capped += sound.stress_y[i] > 5.0 ? 1 : 0;
+  }
+  EXPECT_GT(std::min({pulled, let_back, capped}), 20);
+  // in a hold the cord stays where its last motion left it
+  const auto held = std::find_if(plans[0].frames.begin(), plans[0].frames.end(),
+                                 [](const auto& f) { return f.branch == capture::Branch::hold; });
+  ASSERT_NE(held, plans[0].frames.end());
+  const auto h = static_cast<std::size_t>(held - plans[0].frames.begin());
+  EXPECT_NEAR(shown.stress_x[h] / sound.stress_x[h], 1.1, 1e-9);
+
+  const Readings free = measure(plans[2], 2, Cloth{}, {}),
+                 seen = measure(plans[2], 2, Cloth{}, faults);
+  faults.camera_rest = 0.0;
+  const Readings longer = measure(plans[2], 2, Cloth{}, faults);
+  double narrowest = 1.0;
+  for (std::size_t i = 0; i < free.stretch_y.size(); ++i) {
+    EXPECT_NEAR(seen.stretch_y[i] - 1.0, 1.2 * (free.stretch_y[i] - 1.0), 1e-12);
+    EXPECT_NEAR(longer.stretch_y[i], 1.2 * free.stretch_y[i], 1e-12);
+    narrowest = std::min(narrowest, free.stretch_y[i]);
+  }
+  EXPECT_LT(narrowest, 0.995);
+}
+
 TEST(TwinNoise, TheChainHasTheStandardDeviationItSays) {
   const int runs = 400, length = 50;
   std::vector<int> run;
@@ -181,6 +222,26 @@ TEST(TwinNoise, TheChainHasTheStandardDeviationItSays) {
   }
   EXPECT_NEAR(std::sqrt(squares / static_cast<double>(clean.size())), 0.2, 0.005);
   EXPECT_NEAR(mean / static_cast<double>(clean.size()), 0.0, 0.01);
+}
+
+TEST(TwinGenerator, ADisplayInStepsShowsThemAfterTheNoise) {
+  const Expected<Twin> twin =
+      make_twin({.effects = {"load_cell_quantisation:x"}, .size = 3.0, .seed = 4});
+  ASSERT_TRUE(twin);
+  const double step = twin->hidden[0].amplitude;
+  // a uniform error of the x cell alone, one cell of about two
+  EXPECT_GT(step / std::sqrt(12.0), 3.0 * twin->noise_rms_N_m);
+  int shown = 0;
+  for (const capture::Capture& capture : twin->captures)
+    for (const capture::StressAssignment& stress : capture.stresses) {
+      if (stress.component != "x") continue;
+      const capture::Channel& channel = *capture.find(stress.channel);
+      const double own = channel.unit == "N" ? step * *capture.specimen.width_m : step;
+      for (const double value : channel.values)
+        EXPECT_NEAR(value / own, std::round(value / own), 1e-6);
+      ++shown;
+    }
+  EXPECT_GE(shown, 4);
 }
 
 TEST(TwinGenerator, UnknownNamesAreRefusedBySentence) {

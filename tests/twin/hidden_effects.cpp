@@ -70,6 +70,19 @@ void softening(double amplitude, const std::string&, const Plans&, Random choice
   truth.cloth.softening = {amplitude, choices.uniform(0.7, 1.0) * amplitude};
 }
 
+// stress in either stretch is `amplitude` N/m where both modes are at 5 %
+void cross_modal(double amplitude, const std::string& variant, const Plans&, Random, Truth& truth) {
+  const double c = amplitude / (0.05 * 0.05 * 0.05);
+  (variant == "shear" ? truth.cloth.cross_shear : truth.cloth.cross_stretch) = c;
+}
+
+void strain_limit(double amplitude, const std::string& variant, const Plans&, Random choices,
+                  Truth& truth) {
+  truth.cloth.limit_strain = choices.uniform(0.025, 0.055);
+  if (variant != "v") truth.cloth.limit_stiffness[0] = amplitude;
+  if (variant != "u") truth.cloth.limit_stiffness[1] = amplitude;
+}
+
 std::size_t cell_of(const std::string& variant) {
   return variant == "y" ? 1 : 0;
 }
@@ -88,6 +101,35 @@ void cell_gain(double amplitude, const std::string& variant, const Plans&, Rando
 void cell_drift(double amplitude, const std::string& variant, const Plans&, Random choices,
                 Truth& truth) {
   truth.faults.drift_N_m_s[cell_of(variant)] = choices.sign() * amplitude;
+}
+
+void cord_friction(double amplitude, const std::string& variant, const Plans&, Random,
+                   Truth& truth) {
+  truth.faults.cord_friction[cell_of(variant)] = amplitude;
+}
+
+// `amplitude` N/m below what a sound cell would show at its largest
+void cell_saturation(double amplitude, const std::string& variant, const Plans& plans, Random,
+                     Truth& truth) {
+  const std::size_t cell = cell_of(variant);
+  double largest = 0.0;
+  for (std::size_t c = 0; c < plans.size(); ++c) {
+    const Readings sound = measure(plans[c], c, truth.cloth, truth.faults);
+    for (const double value : cell == 1 ? sound.stress_y : sound.stress_x)
+      largest = std::max(largest, value);
+  }
+  truth.faults.cap_N_m[cell] = largest - amplitude;
+}
+
+void cell_steps(double amplitude, const std::string& variant, const Plans&, Random, Truth& truth) {
+  truth.faults.step_N_m[cell_of(variant)] = amplitude;
+}
+
+void camera_scale(double amplitude, const std::string& variant, const Plans&, Random choices,
+                  Truth& truth) {
+  const double up = 1.0 + amplitude;
+  truth.faults.camera_scale = choices.uniform() < 0.5 ? up : 1.0 / up;
+  truth.faults.camera_rest = variant == "lengths" ? 0.0 : 1.0;
 }
 
 // in the middle of a pull of the first capture, in any run but its first
@@ -152,6 +194,16 @@ const std::vector<HiddenEffect>& hidden_effects() {
        stiffen},
       {"anisotropy", {}, false, false, false, 0.1, 0.9, "1", anisotropy},
       {"poisson_coupling", {}, false, false, false, 50.0, 500.0, "N/m", poisson},
+      {"cross_modal_stiffening",
+       {"stretches", "shear"},
+       false,
+       false,
+       false,
+       2.0,
+       1e4,
+       "N/m at 5 %",
+       cross_modal},
+      {"strain_limit", {"u", "v", "both"}, false, false, false, 100.0, 1e5, "N/m", strain_limit},
       {"internal_friction",
        {"axes", "axes", "fibres"},
        false,
@@ -184,6 +236,10 @@ const std::vector<HiddenEffect>& hidden_effects() {
       {"load_cell_offset", {"x", "y"}, false, false, false, 1.0, 1e3, "N/m", cell_offset},
       {"load_cell_gain", {"x", "y"}, false, false, false, 0.1, 2.0, "1", cell_gain},
       {"load_cell_drift", {"x", "y"}, false, true, false, 0.001, 1.0, "N/m/s", cell_drift},
+      {"cord_friction", {"x", "y"}, false, false, true, 0.02, 0.5, "1", cord_friction},
+      {"load_cell_saturation", {"x", "y"}, false, false, false, 5.0, 40.0, "N/m", cell_saturation},
+      {"load_cell_quantisation", {"x", "y"}, false, false, false, 1.0, 40.0, "N/m", cell_steps},
+      {"camera_scale", {"changes", "lengths"}, false, false, false, 0.01, 2.0, "1", camera_scale},
       {"clip_slip", {}, false, false, false, 0.005, 0.03, "1", clip_slip},
       {"force_camera_delay",
        {"force_lags", "force_lags", "camera_lags"},

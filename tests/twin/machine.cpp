@@ -60,6 +60,31 @@ class Grips {
   std::array<double, 2> play_ = {0.0, 0.0};
 };
 
+/// Which way each cord went last: +1 pulled, -1 let back, 0 never moved.
+class Cords {
+ public:
+  void move_to(const PlannedFrame& frame, const PlannedFrame& before) {
+    turn(0, frame.strain_x - before.strain_x);
+    turn(1, frame.strain_y - before.strain_y);
+  }
+  double shown(const Faults& faults, std::size_t cord, double tension) const {
+    return tension * (1.0 + faults.cord_friction[cord] * way_[cord]);
+  }
+
+ private:
+  void turn(std::size_t cord, double travel) {
+    if (travel != 0.0) way_[cord] = travel > 0.0 ? 1.0 : -1.0;
+  }
+  std::array<double, 2> way_ = {0.0, 0.0};
+};
+
+/// What a cell makes of the force on it.
+double cell_reading(const Faults& faults, std::size_t cell, double force, double elapsed_s) {
+  const double value =
+      faults.gain[cell] * force + faults.offset_N_m[cell] + faults.drift_N_m_s[cell] * elapsed_s;
+  return std::min(value, faults.cap_N_m[cell]);
+}
+
 bool one_step_is_enough(const Cloth& cloth, const Faults& faults) {
   return !cloth.remembers() && faults.backlash_strain == 0.0 && faults.expansion_strain == 0.0 &&
          faults.force_delay_s == 0.0 && faults.clock_alias_s == 0.0;
@@ -78,6 +103,11 @@ void misread(const Faults& faults, std::size_t capture_index, int cell,
 }
 
 }  // namespace
+
+void show_in_steps(double step, std::vector<double>& readings) {
+  if (step <= 0.0) return;
+  for (double& value : readings) value = step * std::round(value / step);
+}
 
 Readings measure(const PlannedCapture& plan, std::size_t capture_index, const Cloth& cloth,
                  const Faults& faults, int substeps) {
@@ -120,8 +150,10 @@ Readings measure(const PlannedCapture& plan, std::size_t capture_index, const Cl
   }
 
   Readings readings;
+  Cords cords;
   std::size_t recorded = 0;
   for (std::size_t i = 0; i < frames.size(); ++i) {
+    cords.move_to(frames[i], i > 0 ? frames[i - 1] : frames[i]);
     if (!frames[i].recorded) continue;
     Nominal read = at_frame[i];
     if (other_clock) {
@@ -132,16 +164,17 @@ Readings measure(const PlannedCapture& plan, std::size_t capture_index, const Cl
     }
     ++recorded;
     const double elapsed = frames[i].time_s - frames.front().time_s;
+    const auto seen = [&faults](double stretch) {
+      return faults.camera_rest + faults.camera_scale * (stretch - faults.camera_rest);
+    };
     if (plan.free_x)
-      readings.stretch_x.push_back(shape[i].x);
+      readings.stretch_x.push_back(seen(shape[i].x));
     else
-      readings.stress_x.push_back(faults.gain[0] * read.x + faults.offset_N_m[0] +
-                                  faults.drift_N_m_s[0] * elapsed);
+      readings.stress_x.push_back(cell_reading(faults, 0, cords.shown(faults, 0, read.x), elapsed));
     if (plan.free_y)
-      readings.stretch_y.push_back(shape[i].y);
+      readings.stretch_y.push_back(seen(shape[i].y));
     else
-      readings.stress_y.push_back(faults.gain[1] * read.y + faults.offset_N_m[1] +
-                                  faults.drift_N_m_s[1] * elapsed);
+      readings.stress_y.push_back(cell_reading(faults, 1, cords.shown(faults, 1, read.y), elapsed));
     if (plan.shears) readings.stress_shear.push_back(read.shear);
   }
   misread(faults, capture_index, 0, readings.stress_x);

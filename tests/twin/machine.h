@@ -22,6 +22,13 @@ struct Faults {
   std::array<double, 2> offset_N_m = {0.0, 0.0};
   std::array<double, 2> gain = {1.0, 1.0};
   std::array<double, 2> drift_N_m_s = {0.0, 0.0};
+  std::array<double, 2> cap_N_m = {1e300, 1e300};  ///< flat top: the cell shows nothing above
+  std::array<double, 2> step_N_m = {0.0, 0.0};     ///< of the display, see show_in_steps; 0: none
+  // cords
+  std::array<double, 2> cord_friction = {0.0, 0.0};  ///< mu: T (1 + mu) pulled, T (1 - mu) let back
+  // cameras: an observed stretch is shown as rest + scale (stretch - rest)
+  double camera_scale = 1.0;
+  double camera_rest = 1.0;  ///< 1: changes of length over a known rest length; 0: lengths
   // clocks
   double force_delay_s = 0.0;  ///< force read at time t is the force of t - delay; all cells
   double clock_alias_s = 0.0;  ///< amplitude of a beat between the clocks of force and strain
@@ -47,6 +54,10 @@ struct Readings {
   std::vector<double> stress_x, stress_y, stress_shear;  ///< N/m
   std::vector<double> stretch_x, stretch_y;              ///< observed free directions
 };
+
+/// Rounds readings to whole multiples of a step; 0 leaves them as they are. A display comes after
+/// the noise, so measure() leaves it to whoever adds that.
+void show_in_steps(double step, std::vector<double>& readings);
 
 /// Runs the plan. `substeps` small steps per frame interval (more where the clock demands it).
 /// `capture_index` is the place of the plan in its suite (a clip slips in capture 0 only).

@@ -68,7 +68,9 @@ std::vector<double> whitened_readings(const std::vector<PlannedCapture>& plans, 
     for (const double value : column) rows.push_back(value / sigma);
   };
   for (std::size_t c = 0; c < plans.size(); ++c) {
-    const Readings readings = measure(plans[c], c, truth.cloth, truth.faults);
+    Readings readings = measure(plans[c], c, truth.cloth, truth.faults);
+    show_in_steps(truth.faults.step_N_m[0], readings.stress_x);
+    show_in_steps(truth.faults.step_N_m[1], readings.stress_y);
     append(readings.stress_x, noise.stress_N_m);
     append(readings.stress_y, noise.stress_N_m);
     append(readings.stress_shear, noise.shear_stress_N_m);

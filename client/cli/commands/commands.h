@@ -14,6 +14,7 @@ class Context;
 void add_capture(CLI::App& app, Context& context);
 void add_completion(CLI::App& app, Context& context);
 void add_diagnose(CLI::App& app, Context& context);
+void add_effects(CLI::App& app, Context& context);
 void add_fit(CLI::App& app, Context& context);
 void add_job(CLI::App& app, Context& context);
 void add_model(CLI::App& app, Context& context);

@@ -5,18 +5,7 @@
 namespace tenter::diagnosis {
 
 Effect anisotropy() {
-  Effect effect;
-  effect.id = "anisotropy";
-  effect.words = "anisotropy: the stiffness depends on the direction in the cloth";
-  effect.mistaken_for = {"nonlinear_stiffness", "load_cell_gain"};
-  effect.split_by = {"remount_90_and_45_degrees",
-                     "The same pull on the specimen remounted at 90 and at 45 degrees: what turns "
-                     "with the specimen is "
-                     "the material.",
-                     {{"remount", "at 90 degrees"},
-                      {"ramp", "the same pull"},
-                      {"remount", "at 45 degrees"},
-                      {"ramp", "the same pull"}}};
+  Effect effect = described("anisotropy");
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     for (const Place& place : places(model, excitation, false)) {

@@ -14,16 +14,8 @@ std::pair<std::string, double> place(const model::SensorCorrection& correction,
 }  // namespace
 
 Effect clip_slip() {
-  Effect effect;
-  effect.id = "clip_slip";
-  effect.words = "a slip in a clip: the force steps within one run and in no other";
-  effect.kind = Effect::Kind::sensor;
+  Effect effect = described("clip_slip");
   effect.in_every_run = false;
-  effect.mistaken_for = {"outliers", "first_cycle_softening"};
-  effect.split_by = {
-      "repeat_with_marks",
-      "Repeat the run with a mark on the cloth at the edge of each clip: a slip moves the mark.",
-      {{"repeat", "the run that stepped"}}};
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     // a step may begin at any of a dozen places of a run, and then at any frame of the likeliest

@@ -10,22 +10,30 @@ namespace tenter::diagnosis {
 Effect nonlinear_stiffness();
 Effect anisotropy();
 Effect poisson_coupling();
+Effect cross_modal_stiffening();
 Effect internal_friction();
 Effect strain_dependent_friction();
 Effect viscosity();
 Effect plastic_set();
 Effect first_cycle_softening();
+Effect strain_limit();
 Effect load_cell_offset();
 Effect load_cell_gain();
 Effect load_cell_drift();
+Effect load_cell_saturation();
+Effect cord_friction();
 Effect clip_slip();
 Effect force_camera_delay();
+Effect camera_scale();
 
 /// Tightens the bounds of a parameter of the law.
 void bound_parameter(model::Law& law, const std::string& name, double lower, double upper);
 /// The term's measure looks where the place is (weft, warp, shear, diagonal), in whatever family of
 /// strains.
 bool same_measure(const model::StrainMeasure& measure, const Place& place);
+/// A sensor correction of this type on each channel of force that does not have it yet.
+std::vector<Variant> channel_variants(const model::Model& model, const Excitation& excitation,
+                                      const std::string& type);
 /// Variants of a law that remembers the largest strain, along weft, warp and both, with `scale` on
 /// a grid of shares of the strain reached and at most `longest` times it.
 std::vector<Variant> memory_variants(const model::Model& model, const Excitation& excitation,

@@ -6,18 +6,7 @@
 namespace tenter::diagnosis {
 
 Effect first_cycle_softening() {
-  Effect effect;
-  effect.id = "first_cycle_softening";
-  effect.words =
-      "first-cycle softening: the first loading to each new strain is stiffer than every later one";
-  effect.mistaken_for = {"plastic_set", "internal_friction"};
-  effect.split_by = {"repeat_cycles_growing",
-                     "Three cycles to each of three growing maxima on a new specimen: softening "
-                     "shows between the first "
-                     "and the second cycle of each, and only there.",
-                     {{"cycle", "three cycles to a third of the range"},
-                      {"cycle", "three cycles to two thirds"},
-                      {"cycle", "three cycles to the full range"}}};
+  Effect effect = described("first_cycle_softening");
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     for (const double power : {1.0, 3.0}) {

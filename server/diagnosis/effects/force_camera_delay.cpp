@@ -5,19 +5,8 @@
 namespace tenter::diagnosis {
 
 Effect force_camera_delay() {
-  Effect effect;
-  effect.id = "force_camera_delay";
-  effect.words = "a delay between the clocks of force and strain";
-  effect.kind = Effect::Kind::sensor;
+  Effect effect = described("force_camera_delay");
   effect.needs_rate = true;
-  effect.mistaken_for = {"viscosity", "internal_friction"};
-  effect.split_by = {"hold_and_blank_run",
-                     "A hold after a fast ramp, and a blank run with a spring of steel in the "
-                     "place of the specimen: a "
-                     "delay does not relax and stays with the rig.",
-                     {{"ramp", "as fast as the rig can"},
-                      {"hold", "60 s"},
-                      {"blank", "the same with a steel spring"}}};
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     for (const model::SensorCorrection& c : model.corrections)

@@ -5,19 +5,7 @@
 namespace tenter::diagnosis {
 
 Effect internal_friction() {
-  Effect effect;
-  effect.id = "internal_friction";
-  effect.words =
-      "internal friction: the force lags behind every reversal of the strain, at any rate";
-  effect.mistaken_for = {"viscosity", "plastic_set", "force_camera_delay",
-                         "strain_dependent_friction"};
-  effect.split_by = {"two_rates_and_hold",
-                     "Repeat one loop at two rates a decade apart and hold for ten minutes at half "
-                     "the peak: friction "
-                     "keeps its loop width and its force, viscosity does not.",
-                     {{"cycle", "one loop at a tenth of the rate"},
-                      {"cycle", "the same loop at the full rate"},
-                      {"hold", "hold for 600 s at half the peak, loading"}}};
+  Effect effect = described("internal_friction");
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     for (const auto& group : place_groups(places(model, excitation, true))) {

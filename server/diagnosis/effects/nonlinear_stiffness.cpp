@@ -23,14 +23,7 @@ model::Law flat_spline(const Place& place, double stiffness) {
 }  // namespace
 
 Effect nonlinear_stiffness() {
-  Effect effect;
-  effect.id = "nonlinear_stiffness";
-  effect.words = "a stiffness that changes with strain, the same on the way up and down";
-  effect.mistaken_for = {"anisotropy"};
-  effect.split_by = {
-      "wider_range",
-      "A slow ramp to a larger strain in each direction: the curve of force against strain bends.",
-      {{"ramp", "to one and a half times the range, weft"}, {"ramp", "the same, warp"}}};
+  Effect effect = described("nonlinear_stiffness");
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     std::vector<Place> candidates = places(model, excitation, true);

@@ -5,18 +5,7 @@
 namespace tenter::diagnosis {
 
 Effect plastic_set() {
-  Effect effect;
-  effect.id = "plastic_set";
-  effect.words =
-      "plastic set: each new maximum leaves the specimen longer, and small cycles do not undo it";
-  effect.mistaken_for = {"internal_friction", "first_cycle_softening"};
-  effect.split_by = {
-      "nested_loops_with_return",
-      "Loops to growing maxima with a return to zero and a few small cycles after each: friction's "
-      "offset is undone by the small cycles, a set is not.",
-      {{"cycle", "to a quarter of the range and back to zero force, three times"},
-       {"cycle", "to a half, the same"},
-       {"cycle", "to the full range, the same"}}};
+  Effect effect = described("plastic_set");
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants = memory_variants(model, excitation, "set", "plastic_set", "c",
                                                     "yield_strain", {0.001, 0.3, 0.6}, 1.5);

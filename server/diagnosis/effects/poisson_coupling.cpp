@@ -5,15 +5,7 @@
 namespace tenter::diagnosis {
 
 Effect poisson_coupling() {
-  Effect effect;
-  effect.id = "poisson_coupling";
-  effect.words =
-      "coupling of the two stretches: a pull along one direction narrows or loads the other";
-  effect.mistaken_for = {"anisotropy", "nonlinear_stiffness"};
-  effect.split_by = {
-      "biaxial_paths",
-      "Biaxial paths with different ratios of the two stretches, both forces measured.",
-      {{"ramp", "x alone, y held"}, {"ramp", "x and y together"}, {"ramp", "y alone, x held"}}};
+  Effect effect = described("poisson_coupling");
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     const auto has = [&](const std::string& measure) {

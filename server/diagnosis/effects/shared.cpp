@@ -24,6 +24,23 @@ bool same_measure(const model::StrainMeasure& measure, const Place& place) {
   return ends("fibre_pair") && std::abs(measure.angle_rad - place.angle_rad) < 1e-6;
 }
 
+std::vector<Variant> channel_variants(const model::Model& model, const Excitation& excitation,
+                                      const std::string& type) {
+  std::vector<Variant> variants;
+  for (const int component : excitation.stress_components) {
+    const std::string name = estimation::component_name(component);
+    bool known = false;
+    for (const model::SensorCorrection& c : model.corrections)
+      known = known || (c.type == type && c.component == name);
+    if (known) continue;
+    Variant variant;
+    variant.words = "channel of stress " + name;
+    variant.corrections.push_back(new_correction(model, type, name));
+    variants.push_back(std::move(variant));
+  }
+  return variants;
+}
+
 std::vector<Variant> memory_variants(const model::Model& model, const Excitation& excitation,
                                      const std::string& id, const std::string& law,
                                      const std::string& amplitude, const std::string& scale,

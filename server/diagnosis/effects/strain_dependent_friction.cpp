@@ -5,18 +5,7 @@
 namespace tenter::diagnosis {
 
 Effect strain_dependent_friction() {
-  Effect effect;
-  effect.id = "strain_dependent_friction";
-  effect.words =
-      "friction that grows with strain: loops are wider where the specimen is stretched more";
-  effect.mistaken_for = {"internal_friction", "viscosity"};
-  effect.split_by = {
-      "nested_loops_at_offsets",
-      "Small loops of the same amplitude about several offset strains: their width shows how the "
-      "friction grows.",
-      {{"cycle", "loops of a tenth of the range at a quarter of it"},
-       {"cycle", "the same at a half"},
-       {"cycle", "the same at the full range"}}};
+  Effect effect = described("strain_dependent_friction");
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     // friction that is there already gets the growth with strain: linear, then quadratic

@@ -7,20 +7,8 @@
 namespace tenter::diagnosis {
 
 Effect viscosity() {
-  Effect effect;
-  effect.id = "viscosity";
-  effect.words =
-      "viscosity: the force depends on how fast the strain changes and relaxes in a hold";
+  Effect effect = described("viscosity");
   effect.needs_rate = true;
-  effect.mistaken_for = {"internal_friction", "force_camera_delay", "strain_dependent_friction"};
-  effect.split_by = {
-      "two_rates_and_hold",
-      "Repeat one loop at two rates a decade apart and hold for ten minutes at half the peak: "
-      "viscosity "
-      "changes its loop width with the rate and relaxes in the hold, friction does neither.",
-      {{"cycle", "one loop at a tenth of the rate"},
-       {"cycle", "the same loop at the full rate"},
-       {"hold", "hold for 600 s at half the peak, loading"}}};
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     const double shortest = std::max(excitation.shortest_step_s, 1e-4 * excitation.longest_s);

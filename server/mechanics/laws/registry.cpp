@@ -18,6 +18,7 @@
 #include "server/mechanics/laws/memory.h"
 #include "server/mechanics/laws/ogden.h"
 #include "server/mechanics/laws/spline.h"
+#include "server/mechanics/laws/stiffening.h"
 #include "server/mechanics/laws/viscosity.h"
 
 namespace tenter::mechanics {
@@ -72,6 +73,10 @@ LawPointer make_bilinear(const model::Law&, int strains) {
   return strains == 2 ? std::make_shared<BilinearLaw>() : nullptr;
 }
 
+LawPointer make_cross_modal(const model::Law&, int strains) {
+  return strains == 2 ? std::make_shared<CrossModalLaw>() : nullptr;
+}
+
 LawPointer make_coupled_set(const model::Law&, int strains) {
   return strains == 2 ? std::make_shared<CoupledPlasticSetLaw>() : nullptr;
 }
@@ -101,6 +106,8 @@ constexpr Row kRows[] = {
     {"plastic_set", make_single<PlasticSetLaw>},
     {"plastic_set_coupled", make_coupled_set},
     {"softening", make_single<SofteningLaw>},
+    {"cross_modal", make_cross_modal},
+    {"strain_limit", make_each<StrainLimitLaw>},
 };
 
 }  // namespace

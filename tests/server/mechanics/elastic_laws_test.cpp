@@ -51,6 +51,12 @@ TEST(ElasticLaws, HoldTheDerivativesOfALaw) {
   check_law({.words = "linear on two", .law = law_with("linear", {120.0}), .strains = 2});
   check_law({.words = "linear stiffness", .law = law_with("linear_stiffness", {120.0, 300.0})});
   check_law({.words = "bilinear", .law = law_with("bilinear", {-35.0}), .strains = 2});
+  check_law({.words = "cross-modal", .law = law_with("cross_modal", {9000.0}), .strains = 2});
+  for (const int strains : {1, 2})
+    check_law({.words = "strain limit",
+               .law = law_with("strain_limit", {250.0, 0.03}),
+               .strains = strains,
+               .kinks = {-0.03, 0.03}});
   check_law({.words = "exponential fibre", .law = law_with("exponential_fibre", {80.0, 60.0})});
   for (const double alpha : {2.0, 1.3, 9.0, -4.0, 1e-3})
     for (const int strains : {1, 2, 3})
@@ -260,6 +266,23 @@ TEST(Laws, RefuseWhatDoesNotFit) {
   model::Law short_of_parameters = law_with("dahl", {1.0, 0.0, 0.0, 0.01});
   short_of_parameters.parameters.pop_back();
   EXPECT_FALSE(make_law(short_of_parameters, 1));
+}
+
+TEST(StiffeningLaws, DoNothingWhereTheyShouldNot) {
+  const auto stress = [](const char* name, const std::vector<double>& p, double a, double b) {
+    const auto law = make_law(law_with(name, p), 2);
+    const double strain[] = {a, b};
+    LawOutput out{};
+    (*law)->evaluate({strain, p.data(), nullptr, 0.0}, out);
+    return std::pair{out.stress[0], out.stress[1]};
+  };
+  EXPECT_EQ(stress("cross_modal", {8000.0}, 0.1, 0.0), std::pair(0.0, 0.0));
+  EXPECT_EQ(stress("cross_modal", {8000.0}, 0.0, 0.1), std::pair(0.0, 0.0));
+  EXPECT_NEAR(stress("cross_modal", {8000.0}, 0.1, 0.05).first, 8000.0 * 0.1 * 0.0025, 1e-12);
+  EXPECT_EQ(stress("strain_limit", {200.0, 0.06}, 0.05, -0.06), std::pair(0.0, 0.0));
+  EXPECT_NEAR(stress("strain_limit", {200.0, 0.06}, 0.08, 0.0).first, 4.0, 1e-12);
+  EXPECT_NEAR(stress("strain_limit", {200.0, 0.06}, 0.0, -0.08).second, -4.0, 1e-12);
+  EXPECT_FALSE(make_law(law_with("cross_modal", {1.0}), 1));
 }
 
 TEST(Laws, EveryRowOfTheCatalogueHasOne) {

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A camera whose scale is off: every stretch that it observes is off by one factor, in its change
+// of length or, where the rest length is not its own, in its length.
+#include "server/diagnosis/effects/effects.h"
+
+namespace tenter::diagnosis {
+
+namespace {
+
+/// Components whose free stretch was observed, without repetition.
+std::vector<int> observed_stretches(const Excitation& excitation) {
+  bool seen[2] = {false, false};
+  for (const estimation::Curves& curves : excitation.curves)
+    for (const auto& channel : curves.channels)
+      if (!channel.is_stress && channel.component < 2) seen[channel.component] = true;
+  std::vector<int> components;
+  for (int i = 0; i < 2; ++i)
+    if (seen[i]) components.push_back(i);
+  return components;
+}
+
+bool has_scale(const model::Model& model) {
+  for (const model::SensorCorrection& c : model.corrections)
+    if (c.type.starts_with("camera_")) return true;
+  return false;
+}
+
+}  // namespace
+
+Effect camera_scale() {
+  Effect effect = described("camera_scale");
+  effect.variants = [](const model::Model& model, const Excitation& excitation) {
+    std::vector<Variant> variants;
+    if (has_scale(model)) return variants;
+    const std::vector<int> components = observed_stretches(excitation);
+    const auto add = [&](const std::string& type, const std::string& component) {
+      Variant variant;
+      variant.words = std::string(type == "camera_scale" ? "changes of length" : "lengths") +
+                      (component.empty() ? ", both stretches" : ", stretch " + component);
+      variant.corrections.push_back(new_correction(model, type, component));
+      variants.push_back(std::move(variant));
+    };
+    for (const char* type : {"camera_scale", "camera_length"}) {
+      for (const int component : components) add(type, estimation::component_name(component));
+      if (components.size() > 1) add(type, "");
+    }
+    return variants;
+  };
+  effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
+    if (observed_stretches(e).empty()) return "no free stretch was observed";
+    return std::nullopt;
+  };
+  return effect;
+}
+
+}  // namespace tenter::diagnosis

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/estimation/sensor_chain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace tenter::estimation {
+
+std::vector<double> directions_of(const Curves& curves, int component) {
+  constexpr double kStill = 0.01;  // of the range
+  const auto n = static_cast<int>(curves.frame_count());
+  std::vector<double> direction(static_cast<std::size_t>(n), 0.0);
+  if (n == 0 || curves.path.is_free[static_cast<std::size_t>(component)]) return direction;
+  const auto strain = [&](int f) { return curves.path.q[static_cast<std::size_t>(f)][component]; };
+  double lo = strain(0);
+  double hi = lo;
+  for (int f = 1; f < n; ++f) {
+    lo = std::min(lo, strain(f));
+    hi = std::max(hi, strain(f));
+  }
+  if (hi - lo < 1e-6) return direction;
+  const double still = kStill * (hi - lo);
+  const auto fill = [&](int first, int last, double sign) {
+    std::fill(direction.begin() + first, direction.begin() + last, sign);
+  };
+  int extreme = 0;
+  double sign = 0.0;
+  for (int f = 0; f < n; ++f) {
+    const auto start = curves.path.start[static_cast<std::size_t>(f)];
+    if (f == 0 || start != mechanics::FrameStart::next) {
+      extreme = f;
+      sign = 0.0;
+      continue;
+    }
+    const double gone = strain(f) - strain(extreme);
+    if (sign == 0.0) {
+      if (std::abs(gone) <= still) continue;
+      sign = gone > 0.0 ? 1.0 : -1.0;
+      fill(extreme, f, sign);
+      extreme = f;
+    } else if (gone * sign > 0.0) {
+      extreme = f;
+    } else if (-gone * sign > still) {
+      sign = -sign;
+      fill(extreme + 1, f, sign);
+      extreme = f;
+    }
+    direction[static_cast<std::size_t>(f)] = sign;
+  }
+  return direction;
+}
+
+/// Const references that live for one call.
+struct SensorChain::Frame {
+  const Curves& curves;
+  const mechanics::PathResponse& response;
+  const Eigen::VectorXd& parameters;
+  int which;
+  int component;
+  int frame;
+  bool sensitivities;
+
+  const CurveRun& run() const {
+    const int block = curves.block_of[static_cast<std::size_t>(frame)];
+    const int run = curves.blocks[static_cast<std::size_t>(block)].run;
+    return curves.runs[static_cast<std::size_t>(run)];
+  }
+  double clock(int f) const { return curves.clock_s[static_cast<std::size_t>(f)]; }
+};
+
+Expected<SensorChain> SensorChain::make(const model::Model& model,
+                                        const std::vector<Curves>& curves, int term_parameters) {
+  static constexpr const char* kTypes[] = {"offset",     "gain",         "drift",
+                                           "delay",      "clip_slip",    "cord_friction",
+                                           "saturation", "camera_scale", "camera_length"};
+  SensorChain chain;
+  chain.term_parameters_ = chain.parameter_count_ = term_parameters;
+  bool has_cord = false;
+  for (const model::SensorCorrection& description : model.corrections) {
+    Correction correction;
+    const auto* type = std::find(std::begin(kTypes), std::end(kTypes), description.type);
+    if (type == std::end(kTypes))
+      return bad_input("no sensor correction is called \"" + description.type + "\"");
+    correction.type = static_cast<Type>(type - std::begin(kTypes));
+    correction.capture = description.capture;
+    for (int i = 0; i < 3; ++i)
+      if (description.component == component_name(i)) correction.component = i;
+    correction.first_parameter = chain.parameter_count_;
+    chain.parameter_count_ += static_cast<int>(description.parameters.size());
+    has_cord = has_cord || correction.type == Type::cord_friction;
+    chain.corrections_.push_back(correction);
+  }
+  if (!has_cord) return chain;
+  for (const Curves& c : curves)
+    chain.direction_.push_back({directions_of(c, 0), directions_of(c, 1), directions_of(c, 2)});
+  return chain;
+}
+
+/// Adds weight times the tension at a frame: the stress with the friction of its cords.
+void SensorChain::hang(const Frame& at, int frame, double weight, Shown& shown) const {
+  const double stress = at.response.stress[static_cast<std::size_t>(frame)][at.component];
+  double factor = 1.0;
+  for (const Correction& c : corrections_) {
+    if (c.type != Type::cord_friction || !c.applies(at.curves, at.component)) continue;
+    const double s =
+        direction_[static_cast<std::size_t>(at.which)][static_cast<std::size_t>(at.component)]
+                  [static_cast<std::size_t>(frame)];
+    factor += at.parameters[c.first_parameter] * s;
+    if (at.sensitivities) shown.by_p[c.first_parameter] += weight * s * stress;
+  }
+  shown.value += weight * factor * stress;
+  if (at.sensitivities)
+    shown.by_p.head(term_parameters_) +=
+        weight * factor * at.response.stress_by_p.row(3 * frame + at.component);
+}
+
+/// The tension of now, or of a delay ago: linear between frames; before its first and after its
+/// last frame a run shows these.
+void SensorChain::shift(const Frame& at, Shown& shown) const {
+  const auto start_over = [&] {
+    shown.value = 0.0;
+    if (at.sensitivities) shown.by_p.setZero(parameter_count_);
+  };
+  start_over();
+  hang(at, at.frame, 1.0, shown);
+  for (const Correction& c : corrections_) {
+    if (c.type != Type::delay || !c.applies(at.curves, at.component)) continue;
+    const CurveRun& run = at.run();
+    if (run.last - run.first < 2) continue;
+    const double when = at.clock(at.frame) - at.parameters[c.first_parameter];
+    int later = std::clamp(at.frame, run.first + 1, run.last - 1);
+    while (later > run.first + 1 && at.clock(later - 1) > when) --later;
+    while (later < run.last - 1 && at.clock(later) < when) ++later;
+    const double span = at.clock(later) - at.clock(later - 1);
+    if (!(span > 0.0)) continue;
+    const double place = (when - at.clock(later - 1)) / span;
+    const double w = std::clamp(place, 0.0, 1.0);
+    start_over();
+    hang(at, later - 1, 1.0 - w, shown);
+    hang(at, later, w, shown);
+    if (!at.sensitivities || place != w) continue;
+    // T0 and T1 themselves: their weights may be zero
+    Shown ends;
+    Frame values = at;
+    values.sensitivities = false;
+    hang(values, later - 1, -1.0, ends);
+    hang(values, later, 1.0, ends);
+    shown.by_p[c.first_parameter] = -ends.value / span;
+  }
+}
+
+/// What one unit of an additive correction adds.
+double SensorChain::added(const Correction& c, const Frame& at,
+                          const Eigen::VectorXd& parameters) const {
+  if (c.type == Type::offset) return 1.0;
+  if (c.type == Type::drift) return at.clock(at.frame) - at.curves.clock_s.front();
+  // the step belongs to the run that holds its frame; at_frame counts the capture's frames, thinned
+  // or not
+  const int step = static_cast<int>(parameters[c.first_parameter + 1]);
+  const CurveRun& own = at.run();
+  const auto origin = [&](int f) { return at.curves.origin[static_cast<std::size_t>(f)]; };
+  const bool is_last = own.last == static_cast<int>(at.curves.frame_count());
+  const bool in_run = step >= origin(own.first) && (is_last || step < origin(own.last));
+  return in_run && origin(at.frame) >= step ? 1.0 : 0.0;
+}
+
+void SensorChain::show_stress(const Curves& curves, int which,
+                              const mechanics::PathResponse& response, int component, int frame,
+                              const Eigen::VectorXd& parameters, bool sensitivities,
+                              Shown& shown) const {
+  const Frame at{curves, response, parameters, which, component, frame, sensitivities};
+  shift(at, shown);
+  for (const Correction& c : corrections_) {
+    if (c.type != Type::gain || !c.applies(curves, component)) continue;
+    const double gain = parameters[c.first_parameter];
+    if (sensitivities) {
+      shown.by_p *= gain;
+      shown.by_p[c.first_parameter] = shown.value;
+    }
+    shown.value *= gain;
+  }
+  for (const Correction& c : corrections_) {
+    const bool adds = c.type == Type::offset || c.type == Type::drift || c.type == Type::clip_slip;
+    if (!adds || !c.applies(curves, component)) continue;
+    const double column = added(c, at, parameters);
+    shown.value += parameters[c.first_parameter] * column;
+    if (sensitivities) shown.by_p[c.first_parameter] = column;
+  }
+  for (const Correction& c : corrections_) {
+    if (c.type != Type::saturation || !c.applies(curves, component)) continue;
+    const double share = parameters[c.first_parameter];
+    const double over = shown.value - parameters[c.first_parameter + 1];
+    if (over <= 0.0) continue;
+    shown.value -= share * over;
+    if (!sensitivities) continue;
+    shown.by_p *= 1.0 - share;
+    shown.by_p[c.first_parameter] = -over;
+    shown.by_p[c.first_parameter + 1] = share;
+  }
+}
+
+void SensorChain::show_stretch(const Curves& curves, const mechanics::PathResponse& response,
+                               int component, int frame, const Eigen::VectorXd& parameters,
+                               bool sensitivities, Shown& shown) const {
+  shown.value = response.q[static_cast<std::size_t>(frame)][component];
+  if (sensitivities) {
+    shown.by_p.setZero(parameter_count_);
+    shown.by_p.head(term_parameters_) = response.q_by_p.row(3 * frame + component);
+  }
+  if (component == 2) return;  // a ratio of lengths: every scale drops out of shear
+  for (const Correction& c : corrections_) {
+    const bool scales = c.type == Type::camera_scale || c.type == Type::camera_length;
+    if (!scales || !c.applies(curves, component)) continue;
+    const double scale = parameters[c.first_parameter];
+    const double rest = c.type == Type::camera_scale ? 1.0 : 0.0;
+    const double moved = shown.value - rest;
+    shown.value = rest + scale * moved;
+    if (!sensitivities) continue;
+    shown.by_p *= scale;
+    shown.by_p[c.first_parameter] = moved;
+  }
+}
+
+}  // namespace tenter::estimation

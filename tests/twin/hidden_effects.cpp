@@ -125,10 +125,11 @@ void cell_steps(double amplitude, const std::string& variant, const Plans&, Rand
   truth.faults.step_N_m[cell_of(variant)] = amplitude;
 }
 
+// changes of length shown too large; a few per cent of one free stretch, so that it takes much
 void camera_scale(double amplitude, const std::string& variant, const Plans&, Random choices,
                   Truth& truth) {
-  const double up = 1.0 + amplitude;
-  truth.faults.camera_scale = choices.uniform() < 0.5 ? up : 1.0 / up;
+  truth.faults.camera_scale =
+      variant == "lengths" ? 1.0 + choices.sign() * amplitude : 1.0 + amplitude;
   truth.faults.camera_rest = variant == "lengths" ? 0.0 : 1.0;
 }
 
@@ -239,7 +240,7 @@ const std::vector<HiddenEffect>& hidden_effects() {
       {"cord_friction", {"x", "y"}, false, false, true, 0.02, 0.5, "1", cord_friction},
       {"load_cell_saturation", {"x", "y"}, false, false, false, 5.0, 40.0, "N/m", cell_saturation},
       {"load_cell_quantisation", {"x", "y"}, false, false, false, 1.0, 40.0, "N/m", cell_steps},
-      {"camera_scale", {"changes", "lengths"}, false, false, false, 0.01, 2.0, "1", camera_scale},
+      {"camera_scale", {"changes", "lengths"}, false, false, false, 0.01, 0.95, "1", camera_scale},
       {"clip_slip", {}, false, false, false, 0.005, 0.03, "1", clip_slip},
       {"force_camera_delay",
        {"force_lags", "force_lags", "camera_lags"},

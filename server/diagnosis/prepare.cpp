@@ -103,6 +103,7 @@ Expected<Prepared> prepare(const Request& request, const Control& control) {
   if (evaluator->evaluate(reference->fit.parameters, residuals, nullptr) ==
       mechanics::PathStatus::ok) {
     prepared.outliers = estimation::find_outliers(*whole, evaluator->rows(), residuals, {});
+    drop_within_steps(prepared.curves, prepared.outliers);
     for (const estimation::Outlier& o : prepared.outliers)
       full.left_out[static_cast<std::size_t>(o.curve)][static_cast<std::size_t>(o.channel)]
                    [static_cast<std::size_t>(o.frame)] = true;

@@ -43,7 +43,11 @@ std::vector<double> directions_of(const Curves& curves, int component) {
       extreme = f;
     } else if (-gone * sign > still) {
       sign = -sign;
-      fill(extreme + 1, f, sign);
+      // a hold at the extreme is not yet the way back
+      int turn = extreme;
+      for (int g = extreme + 1; g < f; ++g)
+        if (std::abs(strain(g) - strain(extreme)) <= 0.5 * still) turn = g;
+      fill(turn + 1, f, sign);
       extreme = f;
     }
     direction[static_cast<std::size_t>(f)] = sign;

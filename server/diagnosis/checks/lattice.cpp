@@ -22,7 +22,8 @@ bool all_multiples(const std::vector<double>& gaps, double step) {
   });
 }
 
-/// As noise.cpp takes it: r[i] - (r[i-1] + r[i+1])/2 has variance 1.5 sigma^2.
+/// r[i] - (r[i-1] + r[i+1])/2 has variance 1.5 sigma^2. Its mean size without the largest
+/// twentieth: the median of steps would itself be a step, or zero.
 double neighbour_scatter(const estimation::Curves& curves,
                          const estimation::ObservedChannel& channel) {
   std::vector<double> differences;
@@ -34,9 +35,12 @@ double neighbour_scatter(const estimation::Curves& curves,
       if (std::isfinite(d)) differences.push_back(std::abs(d));
     }
   if (differences.empty()) return 0.0;
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  return 1.4826 * *middle / std::sqrt(1.5);
+  constexpr double kOfNormal = 1.40;  // standard deviation over that mean
+  std::sort(differences.begin(), differences.end());
+  const std::size_t kept = std::max<std::size_t>(1, differences.size() * 19 / 20);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < kept; ++i) sum += differences[i];
+  return kOfNormal * sum / static_cast<double>(kept) / std::sqrt(1.5);
 }
 
 }  // namespace
@@ -81,6 +85,18 @@ void note_resolution(std::vector<estimation::Curves>& curves) {
     auto& channel = curves[static_cast<std::size_t>(lattice.curve)]
                         .channels[static_cast<std::size_t>(lattice.channel)];
     channel.resolution = std::max(channel.resolution, lattice.step);
+  }
+}
+
+void drop_within_steps(const std::vector<estimation::Curves>& curves,
+                       std::vector<estimation::Outlier>& outliers) {
+  constexpr double kSteps = 1.5;
+  for (const Lattice& lattice : find_lattices(curves)) {
+    if (!lattice.is_above_noise()) continue;
+    std::erase_if(outliers, [&](const estimation::Outlier& o) {
+      return o.curve == lattice.curve && o.channel == lattice.channel &&
+             std::abs(o.deviation) < kSteps * lattice.step;
+    });
   }
 }
 

@@ -37,6 +37,11 @@ std::vector<Lattice> find_lattices(const std::vector<estimation::Curves>& curves
 /// to them.
 void note_resolution(std::vector<estimation::Curves>& curves);
 
+/// Takes out what rounding to steps above the noise explains: deviations of up to a step and a
+/// half.
+void drop_within_steps(const std::vector<estimation::Curves>& curves,
+                       std::vector<estimation::Outlier>& outliers);
+
 /// SENSOR load_cell_quantisation, where any channel's steps are above the noise.
 std::optional<Verdict> quantisation_verdict(const Diagnosis& d);
 

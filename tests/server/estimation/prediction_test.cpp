@@ -184,7 +184,7 @@ TEST(Corrections, CamerasScaleFreeStretchesOnly) {
   }
 }
 
-TEST(Directions, StandStillBelowAHundredthAndTurnAtTheExtreme) {
+TEST(Directions, StandStillBelowAHundredthAndTurnWhereTheExtremeIsLeft) {
   Curves curves;
   const double strains[] = {0.0, 0.0, 0.02, 0.05, 0.0503, 0.05, 0.0502, 0.03, 0.0, 0.01, 0.05};
   for (const double strain : strains) {
@@ -192,7 +192,7 @@ TEST(Directions, StandStillBelowAHundredthAndTurnAtTheExtreme) {
     curves.path.start.push_back(mechanics::FrameStart::next);
   }
   curves.path.start.front() = mechanics::FrameStart::virgin;
-  const std::vector<double> expected = {1, 1, 1, 1, 1, -1, -1, -1, -1, 1, 1};
+  const std::vector<double> expected = {1, 1, 1, 1, 1, 1, 1, -1, -1, 1, 1};
   EXPECT_EQ(directions_of(curves, 0), expected);
   EXPECT_EQ(directions_of(curves, 1), std::vector<double>(expected.size(), 0.0));
   curves.path.start[8] = mechanics::FrameStart::rested;  // another run, from there on

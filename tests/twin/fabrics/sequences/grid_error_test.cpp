@@ -16,7 +16,7 @@ namespace {
 
 using estimation::Sequence;
 
-constexpr int kCells = 6;
+constexpr int kCoarseCells = 6;
 
 /// The picture frame on a grid, with what the finest one measures.
 struct ThreeGrids {
@@ -24,11 +24,11 @@ struct ThreeGrids {
   MeasuredTwin on_coarse;
 };
 ThreeGrids three_grids(const Fabric& wool = fabric("18")) {
-  const Protocol protocol = make_protocol(wool, "shear", {.frames = 3, .cells = kCells});
+  const Protocol protocol = make_protocol(wool, "shear", {.frames = 3, .cells = kCoarseCells});
   GridOptions grid;
   grid.points_m = {{0.04, 0.06}, {0.05, 0.05}, {0.053, 0.071}};
   const auto on = [&](int times) {
-    grid.nodes = times * kCells + 1;
+    grid.nodes = times * kCoarseCells + 1;
     return same_mesh_twin(wool, protocol, grid).value();
   };
   const Sequence finest = on(4).sequence;

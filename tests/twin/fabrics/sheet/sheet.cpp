@@ -8,8 +8,6 @@ namespace tenter::twin {
 
 namespace {
 
-constexpr double kGravity_m_s2 = 9.81;
-
 /// Three points a span, exact to the fifth degree.
 struct Gauss {
   double place, weight;  // on -1 to 1

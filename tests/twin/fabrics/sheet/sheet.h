@@ -27,6 +27,8 @@
 
 namespace tenter::twin {
 
+constexpr double kGravity_m_s2 = 9.81;
+
 /// Lines for x and y, and for z; the distinct knots of both are the same.
 struct SheetLines {
   SplineLine plane_u, plane_v, height_u, height_v;

@@ -14,8 +14,7 @@
 namespace tenter::twin {
 namespace {
 
-constexpr double kGravity_m_s2 = 9.81;
-constexpr int kCells = 8;
+constexpr int kSheetCells = 8;
 
 SplineLine uneven_line() {
   return SplineLine({0.0, 0.012, 0.012, 0.012, 0.03, 0.051, 0.051, 0.08, 0.1});
@@ -143,10 +142,10 @@ TEST(Sheet, GradientAndMatrixAreThoseOfTheEnergy) {
 }
 
 SheetTwin coarse_twin(const Fabric& fabric, const std::string& name, int frames,
-                      const std::vector<Eigen::Vector2d>& places, int spans = kCells) {
+                      const std::vector<Eigen::Vector2d>& places, int spans = kSheetCells) {
   SheetTwinOptions options;
   options.span_m = fabric.side_m / spans;
-  return run_protocol(fabric, make_protocol(fabric, name, {.frames = frames, .cells = kCells}),
+  return run_protocol(fabric, make_protocol(fabric, name, {.frames = frames, .cells = kSheetCells}),
                       places, options);
 }
 
@@ -154,10 +153,11 @@ SheetTwin coarse_twin(const Fabric& fabric, const std::string& name, int frames,
 TEST(SheetTwin, PulledCanBeReadOffTheCurve) {
   for (const char* id : {"4", "18"}) {
     const Fabric cloth = without_friction(fabric(id));
-    const Protocol protocol = make_protocol(cloth, "stretch_v", {.frames = 6, .cells = kCells});
+    const Protocol protocol =
+        make_protocol(cloth, "stretch_v", {.frames = 6, .cells = kSheetCells});
     const SheetTwin twin = coarse_twin(cloth, "stretch_v", 6, {{0.05, 0.05}});
     ASSERT_EQ(twin.failure, "");
-    const double free_m = cloth.side_m * (kCells - 2) / kCells;
+    const double free_m = cloth.side_m * (kSheetCells - 2) / kSheetCells;
     for (std::size_t f = 0; f < protocol.frames.size(); ++f) {
       const double e = protocol.frames[f].poses[1].position_m.y() / free_m;
       const double want_N =
@@ -205,7 +205,7 @@ TEST(SheetTwin, HangsAsAHeavyElastica) {
   Fabric cloth = without_friction(fabric("14"));
   constexpr double kStiffness_N_m = 1.2e-4;
   cloth.curves[static_cast<std::size_t>(Mode::bend_u)] = {0.0, 0.0, {kStiffness_N_m}};
-  const Protocol protocol = make_protocol(cloth, "bend_u", {.frames = 3, .cells = kCells});
+  const Protocol protocol = make_protocol(cloth, "bend_u", {.frames = 3, .cells = kSheetCells});
   const std::vector<Eigen::Vector2d> tip = {{0.1, 0.013}, {0.1, 0.071}};
   const auto worst_error = [&](int spans) {
     const SheetTwin twin = coarse_twin(cloth, "bend_u", 3, tip, spans);
@@ -221,7 +221,7 @@ TEST(SheetTwin, HangsAsAHeavyElastica) {
     }
     return worst;
   };
-  const double coarse = worst_error(kCells), fine = worst_error(2 * kCells);
+  const double coarse = worst_error(kSheetCells), fine = worst_error(2 * kSheetCells);
   EXPECT_LT(coarse, 0.02);
   EXPECT_LT(fine, 0.003);
 }
@@ -229,12 +229,13 @@ TEST(SheetTwin, HangsAsAHeavyElastica) {
 // Thesis 3.5: loading over unloading, at the same elongation half way along a branch.
 TEST(SheetTwin, LoadsStifferThanItUnloads) {
   const Fabric wool = fabric("18");
-  const Protocol protocol = make_protocol(wool, "stretch_v", {.frames = 42, .cells = kCells});
+  const Protocol protocol = make_protocol(wool, "stretch_v", {.frames = 42, .cells = kSheetCells});
   const SheetTwin twin = coarse_twin(wool, "stretch_v", 42, {{0.05, 0.05}});
   ASSERT_EQ(twin.failure, "");
   const auto force_half_way = [&](int branch) {
     double nearest = 1.0, force_N = 0.0;
-    const double half_m = 0.5 * wool.limits.stretch_v * wool.side_m * (kCells - 2) / kCells;
+    const double half_m =
+        0.5 * wool.limits.stretch_v * wool.side_m * (kSheetCells - 2) / kSheetCells;
     for (std::size_t f = 0; f < protocol.frames.size(); ++f) {
       const double off = std::abs(protocol.frames[f].poses[1].position_m.y() / half_m - 1.0);
       if (protocol.frames[f].block != branch || off > nearest) continue;

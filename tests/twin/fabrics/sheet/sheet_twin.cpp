@@ -14,8 +14,6 @@ namespace tenter::twin {
 
 namespace {
 
-constexpr double kGravity_m_s2 = 9.81;
-
 /// Where something that holds the sheet ends, and how often the knot there counts.
 using Ends = std::map<double, int>;
 

@@ -21,8 +21,8 @@
 
 namespace tenter::bench {
 
-/// For every run of an unrolling scene; the samples are those of table 5.2 by the model's name.
-/// False where something fails, which is printed.
+/// For every run of an unrolling scene that is wound without a pitch; the samples are those of
+/// table 5.2 by the model's name. False where something fails, which is printed.
 bool check_spirals(const scene::Scene& scene, const std::string& scene_text);
 
 }  // namespace tenter::bench

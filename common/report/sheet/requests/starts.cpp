@@ -10,7 +10,7 @@ namespace tenter::report::sheet {
 
 namespace {
 
-std::string key(const char* css, const char* shape, const char* words) {
+std::string series_key(const char* css, const char* shape, const char* words) {
   return "<button type=\"button\" aria-pressed=\"true\" data-shows=\"" + std::string(css) +
          "\"><svg class=\"" + css + "\" viewBox=\"0 0 26 12\" aria-hidden=\"true\">" + shape +
          "</svg>" + words + "</button>";
@@ -52,10 +52,10 @@ std::string start_section(const Json& result) {
   plot.x_label = "place";
   plot.y_label = "log10 of the cost over the lowest";
   plot.zero_line = true;
-  std::string keys = key("extended", kDot, "in the best basin");
-  if (!others.x.empty()) keys += key("measured", kDot, "above it");
-  keys += key("outlier", "<path class=\"cross\" d=\"M9 2l8 8M9 10l8 -8\"/>",
-              "from the fit's own values");
+  std::string keys = series_key("extended", kDot, "in the best basin");
+  if (!others.x.empty()) keys += series_key("measured", kDot, "above it");
+  keys += series_key("outlier", "<path class=\"cross\" d=\"M9 2l8 8M9 10l8 -8\"/>",
+                     "from the fit's own values");
   plot.series = {std::move(best), std::move(others), std::move(own)};
   const std::string svg = render_svg(plot);
   if (svg.empty()) return "";

@@ -17,5 +17,8 @@ if(TARGET tenter AND TENTER_PYTHON3)
     add_test(NAME cli_sheet_test COMMAND ${TENTER_PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli_sheet_test.py
       ${cli_programs} --worker $<TARGET_FILE:tenter-worker> --sheets $<TARGET_FILE:tenter-sheet-captures>)
     set_tests_properties(cli_sheet_test PROPERTIES TIMEOUT 240 LABELS "e2e")
+    add_test(NAME cli_friction_test COMMAND ${TENTER_PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli_friction_test.py
+      ${cli_programs} --worker $<TARGET_FILE:tenter-worker> --friction-tables $<TARGET_FILE:tenter-twin-friction>)
+    set_tests_properties(cli_friction_test PROPERTIES TIMEOUT 240 LABELS "e2e")
   endif()
 endif()

@@ -28,6 +28,7 @@ def main():
         parser.add_argument("--" + name, required=True)
     parser.add_argument("--artefacts")
     parser.add_argument("--sheets")
+    parser.add_argument("--friction-tables")
     rest = parser.parse_known_args(namespace=PROGRAMS)[1]
     for name in ("tenter", "tenterd", "worker", "data"):
         setattr(PROGRAMS, name, os.path.abspath(getattr(PROGRAMS, name)))

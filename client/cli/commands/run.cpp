@@ -196,6 +196,10 @@ void add_fit(CLI::App& app, Context& context) {
       "--protocol hanging-weights: one capture of weights and lengths along weft or warp; "
       "stiffness k1 + k2 eps, friction a + b eps and tau with 95 % intervals, or a word in "
       "place of a number that the data do not tell (key friction_test with --json).\n"
+      "--protocol loops: load-unload loops in which weft or warp alone is strained (--set "
+      "direction=weft): the same numbers. Where the captures say that the load depends on the rate "
+      "of strain (it falls in a hold, or loops at two rates lose other work) this is no friction: "
+      "the job is refused with the evidence in words, exit code 7.\n"
       "--protocol spiral: profiles of strips that were rolled around cylinders and unrolled, "
       "with or without cantilevers (captures of kind strip_profiles): the same numbers of "
       "bending, positive and negative sense of curvature each on its own. --protocol "
@@ -204,6 +208,7 @@ void add_fit(CLI::App& app, Context& context) {
       "    tenter fit pull.h5 --model stvk_orthotropic_spline --save-model fitted.json\n"
       "    tenter --json fit pull.h5 | jq '.parameters'\n"
       "    tenter fit warp.h5 --protocol hanging-weights --report friction.html\n"
+      "    tenter fit slow.h5 fast.h5 --protocol loops --set direction=warp\n"
       "    tenter fit spirals.h5 cantilevers.h5 --protocol spiral --report bending.html\n"
       "    tenter fit u.h5 v.h5 --role u.h5=stretch_u --role v.h5=stretch_v --report "
       "fit.html\n",
@@ -212,7 +217,7 @@ void add_fit(CLI::App& app, Context& context) {
       ->add_option("--protocol", draft->protocol,
                    "How the captures were made, where that has a fit of its own.")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"hanging-weights", "spiral", "cantilever"}));
+      ->check(CLI::IsMember({"hanging-weights", "loops", "spiral", "cantilever"}));
   auto sheet = std::make_shared<SheetFitDraft>();
   add_sheet_fit_options(*command, *sheet);
   draft->run.complete_options = [sheet, names = &draft->run.captures](

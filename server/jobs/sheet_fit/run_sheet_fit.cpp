@@ -242,8 +242,10 @@ Expected<void> run_sheet_fit(const JobInput& input, const json& spec,
   const StartCheckpoint starts(input.checkpoints, input.spec_json);
   const RequestWork work{threads, kTolerance_N, kCompared, report, stop, starts};
   if (found.options.without_grid_error) {
-    auto grid_free =
-        sheet_grid_free(fit->model, found, stage_options(found.options, threads), work);
+    StagedOptions how;
+    how.stage = stage_options(found.options, threads);
+    hold_unseen(found, how);
+    auto grid_free = sheet_grid_free(fit->model, found, how, work);
     if (!grid_free) return tl::unexpected(grid_free.error());
     found.requested.grid_free = std::move(*grid_free);
   }

@@ -264,9 +264,7 @@ Expected<std::vector<OnTwoGrids>> make_twins(const twin::Fabric& cloth, const As
     twin.coarse = {twin.is_fitted ? kRoles[twins.size() - 1] : estimation::Role::evaluation,
                    std::move((*made)[0].sequence)};
     twin.fine = std::move((*made)[1].sequence);
-    // clips from edge to edge leave the cells equal
-    const bool is_graded = asked.beta > 0.0 && (name == "shear" || name == "corner_pull");
-    twin.order = estimation::order_of(twin.coarse.sequence, is_graded);
+    twin.order = estimation::order_of(twin.coarse.sequence, asked.beta > 0.0);
     twin::add_rig_noise({}, random, twin.coarse.sequence);
     measure_as(twin.coarse.sequence, twin.fine);
   }
@@ -379,7 +377,7 @@ int main(int count, char** arguments) {
     std::printf("  %s\n", fit.error().message.c_str());
     return 1;
   }
-  for (const estimation::StageRecord& round : fit->rounds)
+  for (const estimation::StageRecord& round : fit->stages)
     std::printf(" %s: %s, %d iterations, %zu frames dropped\n", round.name.c_str(),
                 round.message.c_str(), round.iterations, round.dropped.size());
   for (std::size_t s = 0; s < twins->size(); ++s)

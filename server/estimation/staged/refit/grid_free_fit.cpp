@@ -21,12 +21,11 @@ class GridFree {
     fit_.errors.resize(measured_.size());
     if (auto ok = estimate(true); !ok) return tl::unexpected(ok.error());
     for (int round = 1; round <= options_.most_rounds && !fit_.settled && !fit_.stopped; ++round) {
-      auto record = refit(round);
-      if (!record) return tl::unexpected(record.error());
-      fit_.stopped = record->stopped;
-      const bool is_done = record->done;
-      fit_.rounds.push_back(std::move(*record));
-      if (!is_done || fit_.stopped) break;
+      const auto is_done =
+          round == 1 && options_.start != nullptr ? refit_in_stages() : refit(round);
+      if (!is_done) return tl::unexpected(is_done.error());
+      fit_.rounds = round;
+      if (!*is_done || fit_.stopped) break;
       const std::vector<GridError> before = fit_.errors;
       if (auto ok = estimate(true); !ok) return tl::unexpected(ok.error());
       if (fit_.stopped) break;
@@ -60,20 +59,64 @@ class GridFree {
     return {};
   }
 
-  Expected<StageRecord> refit(int round) {
+  /// False where it could not be done.
+  Expected<bool> refit(int round) {
     StageTask task;
     task.name = round == 1 ? kStage : std::string(kStage) + "_" + std::to_string(round);
-    for (const model::Term& term : fit_.model.terms) task.terms.push_back(term.id);
+    task.terms = all_terms();
     task.ties = options_.ties;
     task.guess = task.refine = false;
+    task.sequences = fitted_sequences();
+    auto record = fit_stage(fit_.model, task, options_.stage);
+    if (!record) return tl::unexpected(record.error());
+    cost_ = record->cost_after;
+    fit_.stopped = record->stopped;
+    const bool is_done = record->done;
+    fit_.stages.push_back(std::move(*record));
+    fit_.terms.push_back(task.terms);
+    return is_done;
+  }
+
+  Expected<bool> refit_in_stages() {
+    const std::vector<RoleSequence> sequences = fitted_sequences();
+    StagedOptions how = options_.staged;
+    how.stage = options_.stage;
+    how.ties = options_.ties;
+    how.resume = nullptr;
+    how.on_stages_done = nullptr;
+    auto staged = staged_fit(*options_.start, sequences, how);
+    if (!staged) return tl::unexpected(staged.error());
+    bool is_done = false;
+    const auto plan = plan_stages(*options_.start, sequences, how);
+    for (StageRecord& record : staged->stages) {
+      std::vector<std::string> terms = all_terms();
+      for (const auto& wave : plan)
+        for (const StageTask& task : wave)
+          if (task.name == record.name) terms = task.terms;
+      is_done |= record.done;
+      cost_ = record.cost_after;
+      record.name = std::string(kStage) + "_" + record.name;
+      fit_.stages.push_back(std::move(record));
+      fit_.terms.push_back(std::move(terms));
+    }
+    fit_.stopped = staged->stopped;
+    if (is_done) fit_.model = std::move(staged->model);
+    return is_done;
+  }
+
+  std::vector<std::string> all_terms() const {
+    std::vector<std::string> terms;
+    for (const model::Term& term : fit_.model.terms) terms.push_back(term.id);
+    return terms;
+  }
+
+  std::vector<RoleSequence> fitted_sequences() const {
+    std::vector<RoleSequence> sequences;
     for (std::size_t s = 0; s < measured_.size(); ++s)
       if (measured_[s].is_fitted)
-        task.sequences.push_back(
-            {measured_[s].coarse.role,
-             without_grid_error(measured_[s].coarse.sequence, fit_.errors[s])});
-    auto record = fit_stage(fit_.model, task, options_.stage);
-    if (record) cost_ = record->cost_after;
-    return record;
+        sequences.push_back({measured_[s].coarse.role,
+                             without_grid_error(measured_[s].coarse.sequence, fit_.errors[s])});
+    return sequences;
   }
 
   /// Of the channels that count, in the frames that both estimates have.
@@ -110,12 +153,12 @@ class GridFree {
 
 }  // namespace
 
-double order_of(const Sequence& sequence, bool is_graded) {
+double order_of(const Sequence& sequence, bool is_laid_for_clips) {
   const bool has_table =
       std::any_of(sequence.boundaries.begin(), sequence.boundaries.end(),
                   [](const mechanics::Boundary& boundary) { return !boundary.held.empty(); });
   if (has_table) return 2.0;
-  return is_graded ? 1.7 : 1.3;
+  return is_laid_for_clips ? 1.7 : 1.3;
 }
 
 void measure_as(const Sequence& coarse, Sequence& fine) {

@@ -8,6 +8,9 @@
 // in turn, until e changes by less than `settled_sigmas` standard deviations of a reading (root
 // mean square over all fitted sequences), or `most_rounds` were done.
 //
+// How many control points a curve has was chosen with the grid's error in sight: where a start is
+// given, the first round is the whole staged fit once more from there.
+//
 //   auto fit = grid_free_fit(staged->model, on_two_grids, {.stage = options.stage});
 //   if (!fit) return tl::unexpected(fit.error());
 //   without_grid_error(on_two_grids[0].coarse.sequence, fit->errors[0]);   // what to judge it by
@@ -21,7 +24,7 @@
 #include <vector>
 
 #include "server/estimation/sequences/discretisation/grid_error.h"
-#include "server/estimation/staged/stage.h"
+#include "server/estimation/staged/staged_fit.h"
 
 namespace tenter::estimation {
 
@@ -34,8 +37,9 @@ struct OnTwoGrids {
 };
 
 /// The order that tests/bench/fabrics measures: 2 of strips on a table, whose edges the grid knows;
-/// else 1.7 on graded grids, 1.3 on others.
-double order_of(const Sequence& sequence, bool is_graded);
+/// 1.7 on lines that were laid for the clips (material/grid_layout.h), dense towards corners inside
+/// the cloth or equal where there are none; 1.3 on others.
+double order_of(const Sequence& sequence, bool is_laid_for_clips);
 
 /// The same measured values on the fine grid: a grid that holds other nodes sees others.
 void measure_as(const Sequence& coarse, Sequence& fine);
@@ -43,15 +47,20 @@ void measure_as(const Sequence& coarse, Sequence& fine);
 struct GridFreeOptions {
   StageOptions stage;  ///< of each round; on_progress is also called before each estimate
   std::vector<std::vector<std::string>> ties;
-  double share_as_sigma = 0.15;  ///< see GridErrorOptions
-  int most_rounds = 3;           ///< at least 1
+  double share_as_sigma = 0.15;         ///< see GridErrorOptions
+  int most_rounds = 3;                  ///< at least 1
+  const model::Model* start = nullptr;  ///< of the staged fit that is the first round; none: of all
+                                        ///< terms together, as the others
+  StagedOptions staged = {};            ///< of that, but for what is said above
   double settled_sigmas = 0.1;
 };
 
 struct GridFreeFit {
   model::Model model;
   std::vector<GridError> errors;  ///< of each sequence, at this model
-  std::vector<StageRecord> rounds;
+  int rounds = 0;
+  std::vector<StageRecord> stages;              ///< of all rounds
+  std::vector<std::vector<std::string>> terms;  ///< that each of these fitted
   bool settled = false;
   double change_sigmas = 0.0;  ///< of e, by the last round
   bool stopped = false;        ///< by on_progress; the model is that of the last round

@@ -153,8 +153,12 @@ json profile_json(const SheetFindings& found, std::size_t parameter) {
   return nullptr;
 }
 
-/// Terms that a stage held because its captures do not tell them.
+/// Of a term that a stage held because its captures do not tell it, and no later one told.
 bool is_held(const SheetFindings& found, const std::string& parameter) {
+  const auto names = estimation::parameter_names(found.fitted);
+  const auto all = estimation::parameters_of(found.fitted);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i] == parameter && !all[i]->fixed) return false;
   for (std::size_t s = 0; s < found.stages.size(); ++s) {
     const auto& terms = found.stage_terms[s];
     if (found.stages[s].held && std::find(terms.begin(), terms.end(),

@@ -19,7 +19,10 @@ std::vector<OnTwoGrids> on_two_grids(const std::vector<SheetInput>& inputs) {
     OnTwoGrids& one = measured.emplace_back();
     one.coarse = {input.role, input.sequence()};
     one.fine = *input.finer;
-    one.order = estimation::order_of(one.coarse.sequence, input.captured.use.has_graded_grid);
+    // inside of an outline that is no rectangle lies an irregular mesh; the door refuses equal
+    // cells
+    const bool is_grid = !input.sequence().cloth.mesh.triangle_layer.empty();
+    one.order = estimation::order_of(one.coarse.sequence, is_grid);
     one.is_fitted = !input.held_out;
   }
   return measured;
@@ -41,12 +44,14 @@ GridFreeFound::OfCapture told_of(const OnTwoGrids& measured, const GridError& er
 }  // namespace
 
 Expected<GridFreeFound> sheet_grid_free(model::Model& model, SheetFindings& found,
-                                        const estimation::StageOptions& how,
+                                        const estimation::StagedOptions& how,
                                         const RequestWork& work) {
   const std::vector<OnTwoGrids> measured = on_two_grids(found.inputs);
   for (SheetInput& input : found.inputs) input.finer.reset();
   estimation::GridFreeOptions options;
-  options.stage = how;
+  options.stage = how.stage;
+  options.staged = how;
+  if (found.options.staged) options.start = &found.start;
   options.stage.on_frame = nullptr;
   options.stage.on_progress = [&](const estimation::StageProgress& progress) {
     work.report({progress.stage, "", progress.iteration, progress.cost, work.fraction});
@@ -60,13 +65,11 @@ Expected<GridFreeFound> sheet_grid_free(model::Model& model, SheetFindings& foun
   GridFreeFound result;
   result.settled = fit->settled;
   result.change_sigmas = fit->change_sigmas;
-  result.rounds = static_cast<int>(fit->rounds.size());
+  result.rounds = fit->rounds;
   result.share_as_sigma = options.share_as_sigma;
-  std::vector<std::string> all;
-  for (const model::Term& term : model.terms) all.push_back(term.id);
-  for (estimation::StageRecord& round : fit->rounds) {
-    found.stages.push_back(std::move(round));
-    found.stage_terms.push_back(all);
+  for (std::size_t s = 0; s < fit->stages.size(); ++s) {
+    found.stages.push_back(std::move(fit->stages[s]));
+    found.stage_terms.push_back(std::move(fit->terms[s]));
   }
   for (std::size_t i = 0; i < found.inputs.size(); ++i) {
     result.captures.push_back(told_of(measured[i], fit->errors[i]));

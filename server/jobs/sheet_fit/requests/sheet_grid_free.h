@@ -12,15 +12,16 @@
 // what was read.
 #pragma once
 
-#include "server/estimation/staged/stage.h"
+#include "server/estimation/staged/staged_fit.h"
 #include "server/jobs/sheet_fit/requests/requests.h"
 
 namespace tenter::jobs {
 
 /// `model` is changed, and found.inputs, found.stages, found.stage_terms. `how`: as the stages
-/// were fitted. Errors: as grid_free_fit(), with the name of the capture; cancelled.
+/// were fitted, which are done once more. Errors: as grid_free_fit(), with the name of the capture;
+/// cancelled.
 Expected<GridFreeFound> sheet_grid_free(model::Model& model, SheetFindings& found,
-                                        const estimation::StageOptions& how,
+                                        const estimation::StagedOptions& how,
                                         const RequestWork& work);
 
 /// Nothing where it was not asked for.

@@ -163,7 +163,8 @@ TEST(GridFreeFit, FindsTheCurveOfTheClothNotOfTheGrid) {
   ASSERT_TRUE(fit) << fit.error().message;
   EXPECT_TRUE(fit->settled);
   EXPECT_LT(fit->change_sigmas, options.settled_sigmas);
-  EXPECT_GE(fit->rounds.size(), 1U);
+  EXPECT_GE(fit->rounds, 1);
+  EXPECT_EQ(fit->stages.size(), static_cast<std::size_t>(fit->rounds));
   EXPECT_LT(std::abs(off(fit->model)), 0.5 * std::abs(off(on_grid)));
   // as large as what the coarse grid is wrong by at the true curve, and of these forces
   const auto size = size_of(fit->errors[0], grids.coarse, estimation::ObservationKind::force);

@@ -96,10 +96,10 @@ class DarkPiece {
       const auto [way, at] = waiting.top();
       waiting.pop();
       if (way > way_[at]) continue;
-      pixels.push_back({static_cast<double>(at % width), static_cast<double>(at / width)});
-      ways.push_back(way);
       const int x = static_cast<int>(at % width);
       const int y = static_cast<int>(at / width);
+      pixels.push_back({static_cast<double>(x), static_cast<double>(y)});
+      ways.push_back(way);
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
           if (!is_dark(x + dx, y + dy)) continue;

@@ -22,7 +22,7 @@ namespace {
 
 using estimation::FrictionEstimate;
 using nlohmann::json;
-using Report = std::function<void(const JobProgress&)>;
+using PointReport = std::function<void(const JobProgress&)>;
 using PointCaptures = std::vector<std::pair<std::string, capture::Capture>>;
 
 int all_threads() {
@@ -55,7 +55,7 @@ struct PointFindings {
 /// Every frame predicted with what was found, and the documents of it.
 Expected<void> write_point_documents(const JobInput& input, PointCaptures captures,
                                      const FrictionEstimate& found, PointFindings findings,
-                                     const Report& report, const std::stop_token& stop) {
+                                     const PointReport& report, const std::stop_token& stop) {
   diagnosis::Request request;
   request.captures = std::move(captures);
   request.model = found.model;
@@ -193,7 +193,7 @@ json loops_test(const LoopsOfCaptures& loops, const estimation::LoopEstimate& fo
 }  // namespace
 
 Expected<void> run_hanging_weights(const JobInput& input, const json& spec, PointCaptures captures,
-                                   const Report& report, const std::stop_token& stop) {
+                                   const PointReport& report, const std::stop_token& stop) {
   if (auto ok = check_point_options(spec["options"], false); !ok) return ok;
   if (captures.size() != 1)
     return bad_input("captures: hanging weights are fitted one capture at a time, " +
@@ -222,7 +222,7 @@ Expected<void> run_hanging_weights(const JobInput& input, const json& spec, Poin
 }
 
 Expected<void> run_loops(const JobInput& input, const json& spec, const PointCaptures& captures,
-                         const Report& report, const std::stop_token& stop) {
+                         const PointReport& report, const std::stop_token& stop) {
   if (auto ok = check_point_options(spec["options"], true); !ok) return ok;
   auto loops = loops_of(captures, spec["options"].value("direction", ""));
   if (!loops) return tl::unexpected(loops.error());

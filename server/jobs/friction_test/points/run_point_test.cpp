@@ -37,6 +37,7 @@ void put_estimate(const FrictionEstimate& found, diagnosis::Diagnosis& d) {
     p->interval_lo.reset();  // a document has both ends or none
     p->interval_hi.reset();
   }
+  d.baseline.model = d.extended.model;  // there is one model, and pages draw one
   d.extended.fit.states = found.fit.states;
   d.extended.fit.iterations = found.fit.iterations;
   d.extended.fit.converged = found.fit.converged;
@@ -213,7 +214,10 @@ Expected<void> run_hanging_weights(const JobInput& input, const json& spec, Poin
   PointFindings findings;
   json part = part_json(*found, weights->measure, "1");
   const double rest = weights->rest_length_m;
-  part["noise_m"] = rest > 0.0 ? json(found->noise * rest) : json(nullptr);
+  if (rest > 0.0) {
+    part["noise"] = found->noise * rest;
+    part["noise_unit"] = "m";
+  }
   findings.test = {{"protocol", "hanging-weights"}, {"parts", json::array({part})}};
   findings.figures.push_back(weights_figure(captures.front().first, *weights, *found));
   findings.tables.push_back(length_residuals(captures.front(), *weights, *found));

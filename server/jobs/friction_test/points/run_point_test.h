@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Jobs of kind "fit" whose captures are of homogeneous strain (server/estimation/friction_tests):
 //
-//   hanging-weights  one capture of weights and lengths; options: {protocol}. Its part has also
-//                    noise_m; a figure "weights": length against weight with the model
+//   hanging-weights  one capture of weights and lengths; options: {protocol}; a figure
+//                    "weights": length against weight with the model
 //   loops            captures of load-unload loops of one strain; options: {protocol, direction:
 //                    weft | warp}. Its part has also {runs, runs_passed_over, readings,
 //                    noise_is_from_fit, missed_share, lost_share, lost_share_of_model, rate:
-//                    {answer, viscosity_share, evidence, fallen, hold_s,
-//                    loss_ratio, rate_ratio, words}}
+//                    {answer, viscosity_share, evidence, fallen, hold_s, loss_ratio,
+//                    rate_ratio, words}}
 //
 // Loops whose captures say that the load depends on the rate are refused with the evidence in words
 // (rate_question.h): the job ends without a result. Where the captures cannot tell, the checklist

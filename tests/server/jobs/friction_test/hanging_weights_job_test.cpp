@@ -58,7 +58,9 @@ TEST_F(HangingWeightsJob, GivesTheNumbersOfTheTable) {
   ASSERT_TRUE(result) << result.error().message;
   const json& test = (*result)["friction_test"]["parts"][0];
   EXPECT_EQ(test["direction"], "warp");
-  EXPECT_NEAR(test["noise_m"].get<double>(), 1e-4, 1e-9);
+  EXPECT_NEAR(test["noise"].get<double>(), 1e-4, 1e-9);
+  EXPECT_EQ(test["noise_unit"], "m");
+  EXPECT_EQ((*result)["baseline_model"], (*result)["model"]);
   const double truth[] = {sample.k1, sample.k2, sample.a, sample.b, sample.tau};
   ASSERT_EQ(test["numbers"].size(), 5U);
   for (std::size_t k = 0; k < 5; ++k) {

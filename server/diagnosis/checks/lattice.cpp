@@ -14,6 +14,18 @@ constexpr std::size_t kFewestLevels = 4;
 constexpr double kOnLattice = 1e-3;  // of the step
 constexpr int kMostMissing = 6;      // levels between the two closest readings
 
+/// Between neighbouring levels, in order of the levels.
+std::vector<double> gaps_of(std::vector<double> values) {
+  std::vector<double> gaps;
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  if (values.empty()) return gaps;
+  std::sort(values.begin(), values.end());
+  const double largest = std::max(std::abs(values.front()), std::abs(values.back()));
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (values[i] - values[i - 1] > 1e-9 * largest) gaps.push_back(values[i] - values[i - 1]);
+  return gaps;
+}
+
 bool all_multiples(const std::vector<double>& gaps, double step) {
   return std::all_of(gaps.begin(), gaps.end(), [&](double gap) {
     const double turns = gap / step;
@@ -48,11 +60,7 @@ double neighbour_scatter(const estimation::Curves& curves,
 double lattice_step(std::vector<double> values) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
   if (values.size() < kFewestReadings) return 0.0;
-  std::sort(values.begin(), values.end());
-  const double largest = std::max(std::abs(values.front()), std::abs(values.back()));
-  std::vector<double> gaps;
-  for (std::size_t i = 1; i < values.size(); ++i)
-    if (values[i] - values[i - 1] > 1e-9 * largest) gaps.push_back(values[i] - values[i - 1]);
+  const std::vector<double> gaps = gaps_of(std::move(values));
   if (gaps.size() + 1 < kFewestLevels) return 0.0;
   const double smallest = *std::min_element(gaps.begin(), gaps.end());
   for (int parts = 1; parts <= kMostMissing; ++parts)
@@ -68,11 +76,19 @@ bool Lattice::is_above_noise() const {
 
 std::vector<Lattice> find_lattices(const std::vector<estimation::Curves>& curves) {
   std::vector<Lattice> found;
+  // the step that a channel shows in one capture counts in others, where it moves over few levels
+  std::map<std::string, double> known;
+  for (const estimation::Curves& c : curves)
+    for (const estimation::ObservedChannel& channel : c.channels)
+      if (channel.is_stress)
+        known[channel.name] = std::max(known[channel.name], lattice_step(channel.measured));
   for (std::size_t i = 0; i < curves.size(); ++i)
     for (std::size_t c = 0; c < curves[i].channels.size(); ++c) {
       const estimation::ObservedChannel& channel = curves[i].channels[c];
       if (!channel.is_stress) continue;
-      const double step = lattice_step(channel.measured);
+      double step = known[channel.name];
+      if (step <= 0.0 || !all_multiples(gaps_of(channel.measured), step))
+        step = lattice_step(channel.measured);
       if (step > 0.0)
         found.push_back({static_cast<int>(i), static_cast<int>(c), step,
                          neighbour_scatter(curves[i], channel)});

@@ -54,6 +54,18 @@ estimation::Curves curves_with(const std::vector<double>& readings) {
   return curves;
 }
 
+TEST(Lattices, AreThoseOfTheChannelWhereItMovesOverFewLevels) {
+  std::vector<double> still = ramp(0.7, 0.02);
+  for (double& v : still) v = v > 20.0 ? 0.7 : 0.0;
+  const auto found = find_lattices({curves_with(ramp(0.7, 0.02)), curves_with(still)});
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_NEAR(found[1].step, 0.7, 1e-9);
+  EXPECT_TRUE(find_lattices({curves_with(still)}).empty());
+  std::vector<double> off = still;
+  off[7] = 0.3;
+  EXPECT_EQ(find_lattices({curves_with(ramp(0.7, 0.02)), curves_with(off)}).size(), 1U);
+}
+
 TEST(Quantisation, IsSaidWhereStepsAreAboveTheNoise) {
   Diagnosis d;
   d.curves = {curves_with(ramp(0.7, 0.02))};

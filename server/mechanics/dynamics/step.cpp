@@ -197,7 +197,7 @@ void TimeStepper::solve(const Potential& potential, const StepOptions& options,
   how.tolerance_N = options.tolerance_N;
   how.max_iterations = options.max_iterations;
   how.start_is_near = true;
-  how.reuse_factor = true;
+  how.learn_secants = true;
   for (int round = 0; round <= kMostRounds; ++round) {
     result.last = minimise_by_newton(potential, *factor_, how, end_, work_);
     result.iterations += result.last.iterations;

@@ -14,6 +14,10 @@
 // Laws that remember their path (friction) answer with the incremental potential of the step, those
 // of the strain's rate with the rate that the scheme has at its end: Baraff-Witkin damping is a
 // kelvin_voigt term for every strain (damping.h).
+// Friction's tangent jumps where a strain turns round, and at a guess strains are off by many times
+// what they change by in a step: Newton would start with every element turned. So the solve first
+// takes one step of friction linearised at the strains that go on as they went (history.h, ahead);
+// after each factorisation it goes on with what its steps learn (equilibrium/secants.h).
 // Masses are those of the loads: what hangs at a node has inertia too.
 //
 // A linearised step (Baraff and Witkin 1998) solves (M/h^2 + K(x0)) dx = f(x0) + M v^/h once, for

@@ -34,9 +34,12 @@ struct MinimiseOptions {
   int max_iterations = 2000;
   bool start_is_near = false;  ///< trust the exact stiffness from the start
   double max_move_m = 0.0;     ///< longest way of a node in one step; 0: a tenth of the extent
-  /// Newton: with the last factor and secants (secants.h) go on while steps shrink the net force
+  /// Newton: with the factor of the last exact stiffness go on while steps shrink the net force
   /// fast; then the stiffness that is kept is that of the factor, not of the end.
   bool reuse_factor = false;
+  /// The same with any factor and with what steps learn on the way (secants.h): farther, so that
+  /// the factor says little of the end.
+  bool learn_secants = false;
 };
 
 struct MinimiseResult {

@@ -47,7 +47,8 @@ class Newton {
       ++result_.iterations;
       if (const auto stop = find_step()) return end(*stop);
       if (const auto stop = take_step()) return end(*stop);
-      if (options_.reuse_factor) step_again();
+      if (options_.learn_secants || (options_.reuse_factor && result_.has_exact_factor))
+        step_again();
       if ((state_.x - start_).lpNorm<Eigen::Infinity>() > kAway * extent_)
         return end(MinimiseEnd::runs_away);
     }
@@ -101,10 +102,10 @@ class Newton {
 
   /// Steps with the factor that is there and what they learn on the way, while they are worth it.
   void step_again() {
-    work_.secants.forget(potential_.unknowns.count());
+    if (options_.learn_secants) work_.secants.forget(potential_.unknowns.count());
     while (true) {
       const double before_N = work_.current.net_force_N;
-      for (int k = 0; k < kOldSteps; ++k)
+      for (int k = 0; k < (options_.learn_secants ? kOldSteps : 1); ++k)
         if (work_.current.net_force_N <= options_.tolerance_N || !take_old_step()) return;
       if (work_.current.net_force_N > kFastDecrease * before_N) return;
     }
@@ -112,14 +113,19 @@ class Newton {
 
   /// False where it was not taken.
   bool take_old_step() {
-    work_.secants.solve(factor_, work_.current.by_unknown, work_.step);
+    if (options_.learn_secants)
+      work_.secants.solve(factor_, work_.current.by_unknown, work_.step);
+    else
+      solve_for_step();
     const double slope = work_.current.by_unknown.dot(work_.step);
     if (!(slope < 0.0) || potential_.unknowns.longest_move_m(work_.step) > max_move_) return false;
     potential_.unknowns.move(state_, work_.step, 1.0, work_.trial_state);
     if (potential_.longest_fraction(state_, work_.trial_state) < 1.0) return false;
     if (!evaluate_forces(work_.trial_state, work_.trial)) return false;
-    if (work_.trial.net_force_N > kForceDecrease * work_.current.net_force_N &&
-        !is_better(work_.trial, slope)) {
+    const double share_left = work_.trial.net_force_N / work_.current.net_force_N;
+    if (!options_.learn_secants) {
+      if (share_left > kFastDecrease) return false;
+    } else if (share_left > kForceDecrease && !is_better(work_.trial, slope)) {
       // once to the least of the parabola
       const double rise = work_.trial.energy_J - work_.current.energy_J - slope;
       const double fraction = std::clamp(-0.5 * slope / rise, 0.1, 0.7);
@@ -129,7 +135,8 @@ class Newton {
           !is_better(work_.trial, fraction * slope))
         return false;
     }
-    work_.secants.learn(work_.step, work_.current.by_unknown, work_.trial.by_unknown);
+    if (options_.learn_secants)
+      work_.secants.learn(work_.step, work_.current.by_unknown, work_.trial.by_unknown);
     accept();
     return true;
   }
@@ -169,7 +176,8 @@ class Newton {
       potential_.unknowns.move(state_, work_.step, first, work_.trial_state);
     }
     // forces and stiffness at once: most first trials are taken
-    const bool is_finite = options_.reuse_factor && share_ == 0.0
+    const bool saves = options_.learn_secants || options_.reuse_factor;
+    const bool is_finite = saves && share_ == 0.0
                                ? evaluate_forces(work_.trial_state, work_.trial)
                                : evaluate(work_.trial_state, share_, work_.trial);
     if (is_finite && is_better(work_.trial, first * slope)) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace tenter::estimation {
@@ -20,14 +21,47 @@ TorqueErrors::TorqueErrors(StrainPoint point,
   for (const ProfileSamples& profile : *profiles_) {
     const Eigen::MatrixXd covariance = profile.strain_scatter * profile.strain_scatter.transpose();
     factors_.emplace_back(covariance.llt().matrixL());
+    const auto samples = static_cast<Eigen::Index>(profile.samples.size());
+    rounded_.push_back(
+        {Eigen::VectorXd::Zero(samples), Eigen::VectorXd::Zero(samples * kTorquesPerSample)});
   }
 }
 
-void TorqueErrors::read_torques(const ProfileSamples& profile) {
+void TorqueErrors::read_torques(std::size_t number) {
+  const ProfileSamples& profile = (*profiles_)[number];
   torques_.resize(static_cast<Eigen::Index>(profile.samples.size()) * kTorquesPerSample);
   Eigen::Index at = 0;
   for (const TorqueSample& sample : profile.samples)
     for (const double torque : sample.torque) torques_[at++] = torque;
+  torques_ -= rounded_[number].torque;
+}
+
+// Curvatures where the model rests under the torques that were read; where the strip did not go one
+// way, those that were seen.
+void TorqueErrors::look_at_rounding(std::size_t number, const Eigen::VectorXd& parameters) {
+  const ProfileSamples& profile = (*profiles_)[number];
+  const int cells = rounding_cells(profile);
+  const double cell = profile.curve.length_m() / cells;
+  std::vector<int> predicted;
+  std::vector<double> torques;
+  Eigen::VectorXd strain(cells);
+  for (int i = 0; i < cells; ++i) {
+    const double arc = (i + 0.5) * cell;
+    const bool is_kept = std::any_of(profile.samples.begin(), profile.samples.end(),
+                                     [&](const TorqueSample& sample) {
+                                       return std::abs(arc - sample.arc_m) <= 0.5 * profile.width_m;
+                                     });
+    strain[i] = 3.0 * profile.curve.curvature(arc);
+    if (!is_kept) continue;
+    predicted.push_back(i);
+    torques.push_back(profile.curve.torque(arc, profile.weight_N_m2));
+  }
+  torques_ =
+      Eigen::Map<const Eigen::VectorXd>(torques.data(), static_cast<Eigen::Index>(torques.size()));
+  if (predict(profile.anchor, parameters) != PathStatus::ok) return;
+  for (std::size_t k = 0; k < predicted.size(); ++k)
+    strain[predicted[k]] = strains_[static_cast<Eigen::Index>(k)];
+  if (auto off = rounded_off(profile, strain)) rounded_[number] = std::move(*off);
 }
 
 // Torques of one side of the anchor's, those next to it first: one way, walked once.
@@ -62,7 +96,8 @@ PathStatus TorqueErrors::set_reference(const Eigen::VectorXd& parameters) {
   std::vector<Eigen::MatrixXd> factors = factors_;
   for (std::size_t i = 0; i < profiles_->size(); ++i) {
     const ProfileSamples& profile = (*profiles_)[i];
-    read_torques(profile);
+    look_at_rounding(i, parameters);
+    read_torques(i);
     const Eigen::VectorXd errors = profile.torque_scatter.rowwise().norm();
     const Eigen::VectorXd torques = torques_;
     torques_ = torques - errors;
@@ -108,15 +143,16 @@ PathStatus TorqueErrors::evaluate(const Eigen::VectorXd& parameters, Eigen::Vect
     const ProfileSamples& profile = (*profiles_)[i];
     const auto rows = static_cast<Eigen::Index>(profile.samples.size());
     if (rows == 0) continue;
-    read_torques(profile);
+    read_torques(i);
     const PathStatus status = predict(profile.anchor, parameters);
     if (status != PathStatus::ok) return status;
     block_.setZero(rows, parameter_count());
     for (Eigen::Index k = 0; k < rows; ++k) {
       const auto places = strains_.segment(k * kTorquesPerSample, kTorquesPerSample);
       predicted_[first + k] = places.mean();
-      residuals[first + k] =
-          predicted_[first + k] - profile.samples[static_cast<std::size_t>(k)].strain;
+      residuals[first + k] = predicted_[first + k] -
+                             profile.samples[static_cast<std::size_t>(k)].strain +
+                             rounded_[i].strain[k];
       block_.row(k) =
           strains_by_p_.middleRows(k * kTorquesPerSample, kTorquesPerSample).colwise().mean();
     }

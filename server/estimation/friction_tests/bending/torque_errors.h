@@ -12,6 +12,9 @@
 // taken over one standard deviation to either side, and what of that is not linear is added as a
 // scatter of its own: beside a snap both are large, and the sample hardly counts.
 //
+// A spline rounds off what bends sharply. By how much is told by one through the contour that the
+// model predicts at the reference (rounded_off.h); that is taken off what was read, T and eps.
+//
 // One row per kept sample, blocks are strips of one radius. Exact Jacobian (the whitening held).
 // Cost: about 4 evaluations of the laws per torque. One thread per object.
 #pragma once
@@ -19,6 +22,7 @@
 #include <memory>
 #include <vector>
 
+#include "server/estimation/friction_tests/bending/rounded_off.h"
 #include "server/estimation/friction_tests/bending/torque_samples.h"
 #include "server/estimation/friction_tests/strain_point.h"
 #include "server/estimation/residual_function.h"
@@ -45,12 +49,16 @@ class TorqueErrors final : public ResidualFunction {
   [[nodiscard]] mechanics::PathStatus predict(double anchor, const Eigen::VectorXd& parameters);
   [[nodiscard]] mechanics::PathStatus walk_side(double anchor, const Eigen::VectorXd& parameters,
                                                 bool up);
-  void read_torques(const ProfileSamples& profile);
+  /// As read, without what the spline rounded off at the reference.
+  void read_torques(std::size_t profile);
+  /// What splines round off contours that the model predicts.
+  void look_at_rounding(std::size_t profile, const Eigen::VectorXd& parameters);
 
   StrainPoint point_;
   std::shared_ptr<const std::vector<ProfileSamples>> profiles_;
   std::vector<Row> rows_;
   std::vector<Eigen::MatrixXd> factors_;  ///< of each profile's covariance, lower
+  std::vector<RoundedOff> rounded_;       ///< of each profile
   StrainPoint::Walk walk_;
   int snapped_ = 0;
   std::vector<int> order_;

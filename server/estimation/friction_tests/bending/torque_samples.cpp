@@ -24,11 +24,15 @@ ProfileSamples samples_of(const ProfileCurve& curve, const StripTest& strip, dou
   result.number = strip.number;
   result.noise_m = curve.noise_m();
   result.intervals = curve.intervals();
+  result.curve = curve;
+  result.points = static_cast<int>(strip.points.size());
+  result.weight_N_m2 = weight;
   const Eigen::MatrixXd root = curve.covariance().llt().matrixL();
   const Eigen::Index coefficients = root.cols();
   result.strain_scatter.resize(count, coefficients);
   result.torque_scatter.resize(count * kTorquesPerSample, coefficients);
   const double width = strip.length_m / count;
+  result.width_m = width;
   Eigen::Index kept = 0;
   for (int i = 0; i < count; ++i) {
     const double lo = i * width;

@@ -38,7 +38,11 @@ struct ProfileSamples {
   double noise_m = 0.0;
   int intervals = 0;  ///< of the profile's spline
   std::vector<TorqueSample> samples;
-  int left_out = 0;  ///< pieces where gravity and elasticity oppose
+  int left_out = 0;          ///< pieces where gravity and elasticity oppose
+  ProfileCurve curve;        ///< of which all this was read
+  int points = 0;            ///< of the contour
+  double width_m = 0.0;      ///< of a piece
+  double weight_N_m2 = 0.0;  ///< rho g
   /// What strains and torques change by with the spline's coefficients (samples x coefficients, and
   /// samples times places x coefficients), times a root of the coefficients' covariance.
   Eigen::MatrixXd strain_scatter, torque_scatter;

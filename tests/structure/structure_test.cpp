@@ -24,9 +24,9 @@ const fs::path& root() {
 /// Room -> rooms that it may include besides itself. A new room is a new row.
 const std::map<std::string, std::set<std::string>>& arrows() {
   static const std::set<std::string> common = {
-      "common/base",      "common/h5",         "common/capture",   "common/model",
-      "common/scene",     "common/frames",     "common/report",    "common/wire",
-      "common/mesh_text", "common/experiment", "common/photograph"};
+      "common/base",      "common/h5",         "common/capture",    "common/model",
+      "common/scene",     "common/frames",     "common/report",     "common/wire",
+      "common/mesh_text", "common/experiment", "common/photograph", "common/effects"};
   static const auto with = [](std::set<std::string> rooms, const std::set<std::string>& more) {
     rooms.insert(more.begin(), more.end());
     return rooms;
@@ -41,6 +41,7 @@ const std::map<std::string, std::set<std::string>>& arrows() {
       {"common/model", {"common/base"}},
       {"common/scene", {"common/base"}},
       {"common/frames", {"common/base", "common/h5"}},
+      {"common/effects", {}},
       {"common/experiment", {"common/base", "common/frames", "common/scene"}},
       {"common/report", {"common/base", "common/h5", "common/capture", "common/model"}},
       {"common/wire", {"common/base", "idl"}},

@@ -213,8 +213,9 @@ double noise_chi2(const Diagnosis& d) {
             .channels[static_cast<std::size_t>(row.curve)][static_cast<std::size_t>(row.channel)];
     white += std::pow(noise.scatter_sigma / noise.sigma, 2);
   }
-  return irreproducible(d) ? std::min(white, d.first_screen.expected_chi2)
-                           : d.first_screen.expected_chi2;
+  const double repeated = d.first_screen.expected_chi2;
+  const double expected = irreproducible(d) ? std::min(white, repeated) : repeated;
+  return expected + chi2_of_steps(d, expected / static_cast<double>(d.data->rows().size()));
 }
 
 bool irreproducible(const Diagnosis& d) {

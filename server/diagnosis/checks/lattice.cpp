@@ -116,6 +116,25 @@ void drop_within_steps(const std::vector<estimation::Curves>& curves,
   }
 }
 
+double chi2_of_steps(const Diagnosis& d, double counted) {
+  std::map<std::pair<int, int>, double> error;  // of one row, by curve and channel
+  for (const Lattice& lattice : find_lattices(d.curves)) {
+    if (!lattice.is_above_noise()) continue;
+    const double sigma = d.noise
+                             .channels[static_cast<std::size_t>(lattice.curve)]
+                                      [static_cast<std::size_t>(lattice.channel)]
+                             .sigma;
+    const double share = lattice.step * lattice.step / (12.0 * sigma * sigma);
+    error[{lattice.curve, lattice.channel}] = std::max(0.0, share - counted);
+  }
+  double chi2 = 0.0;
+  if (error.empty()) return chi2;
+  for (const estimation::Row& row : d.data->rows())
+    if (const auto found = error.find({row.curve, row.channel}); found != error.end())
+      chi2 += found->second;
+  return chi2;
+}
+
 std::optional<Verdict> quantisation_verdict(const Diagnosis& d) {
   std::map<std::string, Lattice> coarsest;  // by channel name
   double error = 0.0;

@@ -42,6 +42,10 @@ void note_resolution(std::vector<estimation::Curves>& curves);
 void drop_within_steps(const std::vector<estimation::Curves>& curves,
                        std::vector<estimation::Outlier>& outliers);
 
+/// What steps above the noise leave of chi2, q^2 / (12 sigma^2) a row, beyond the `counted` a row
+/// that are expected already: rounding repeats where the path does, and no repeat tells it.
+double chi2_of_steps(const Diagnosis& d, double counted);
+
 /// SENSOR load_cell_quantisation, where any channel's steps are above the noise.
 std::optional<Verdict> quantisation_verdict(const Diagnosis& d);
 

@@ -8,9 +8,6 @@ namespace tenter::bench {
 namespace {
 constexpr int kRepeats = 3;
 constexpr double kNoise = 1e-4;  // m, of each coordinate
-// a chain of hinges is a polygon: fine enough for its own error to be small beside the noise's
-constexpr int kPoints = 201;
-constexpr int kHingesBetween = 4;
 }  // namespace
 
 BendingRig::BendingRig(const twin::FrictionSample& sample, twin::Unrolling unrolling)
@@ -20,15 +17,12 @@ BendingRig::BendingRig(const twin::FrictionSample& sample, twin::Unrolling unrol
     twin::StripPlan plan;
     plan.radius_m = 1e-3 * radius_mm;
     plan.unrolling = unrolling;
-    plan.hinges = (kPoints - 1) * kHingesBetween;
     if (radius_mm == 0.0) {
       plan.clamp_angle_rad = twin::kCantileverAngle;
       plan.length_m = twin::cantilever_length(sample);
     }
     twin::RestingStrip strip = twin::resting_strip(sample, plan);
     if (!strip.is_at_rest) ++restless_;
-    for (std::size_t i = 0; i < kPoints; ++i) strip.points[i] = strip.points[i * kHingesBetween];
-    strip.points.resize(kPoints);
     strips_.push_back(std::move(strip));
     radii_m_.push_back(plan.radius_m);
   }

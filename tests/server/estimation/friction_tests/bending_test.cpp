@@ -6,7 +6,7 @@
 
 #include "server/estimation/friction_tests/bending/bending_fit.h"
 #include "server/estimation/friction_tests/bending/torque_errors.h"
-#include "tests/server/mechanics/differences.h"
+#include "tests/server/estimation/friction_tests/derivatives.h"
 #include "tests/twin/friction/hanging_strip.h"
 
 namespace tenter::estimation {
@@ -165,22 +165,7 @@ TEST(TorqueErrors, HaveTheirDerivatives) {
   Eigen::VectorXd p(static_cast<Eigen::Index>(kFrictionParameters));
   p << 1.1 * cloth.k1, cloth.k2, cloth.a, 0.8 * cloth.b, 0.0, 1.2 * cloth.tau;
   ASSERT_EQ(errors.set_reference(p), mechanics::PathStatus::ok);
-  Eigen::VectorXd residuals;
-  RowMatrix jacobian;
-  ASSERT_EQ(errors.evaluate(p, residuals, &jacobian), mechanics::PathStatus::ok);
-  for (const int k : {kK1, kK2, kA, kB, kTau}) {
-    const auto at = [&](double value) {
-      Eigen::VectorXd moved = p;
-      moved[k] = value;
-      Eigen::VectorXd result;
-      EXPECT_EQ(errors.evaluate(moved, result, nullptr), mechanics::PathStatus::ok);
-      return result;
-    };
-    const Eigen::VectorXd slope = testing::difference(at, p[k], 2e-6 * p[k]);
-    testing::Comparison compared("parameter " + std::to_string(k));
-    for (Eigen::Index i = 0; i < slope.size(); ++i) compared.add(jacobian(i, k), slope[i]);
-    compared.judge(1e-5);
-  }
+  testing::expect_derivatives(errors, p, {kK1, kK2, kA, kB, kTau});
 }
 
 TEST(Bending, GivesBackTheTableFromAFewStrips) {

@@ -8,7 +8,7 @@
 #include "server/estimation/friction_tests/bending/cantilever/moment_errors.h"
 #include "server/estimation/friction_tests/loops/load_errors.h"
 #include "server/estimation/friction_tests/loops/loop_fit.h"
-#include "tests/server/mechanics/differences.h"
+#include "tests/server/estimation/friction_tests/derivatives.h"
 #include "tests/twin/friction/friction_sample.h"
 #include "tests/twin/friction/hanging_strip.h"
 
@@ -42,32 +42,12 @@ Eigen::VectorXd near(const twin::FrictionSample& cloth) {
   return p;
 }
 
-void expect_derivatives(ResidualFunction& errors, const Eigen::VectorXd& p,
-                        std::initializer_list<int> which) {
-  Eigen::VectorXd residuals;
-  RowMatrix jacobian;
-  ASSERT_EQ(errors.evaluate(p, residuals, &jacobian), mechanics::PathStatus::ok);
-  for (const int k : which) {
-    const auto at = [&](double value) {
-      Eigen::VectorXd moved = p;
-      moved[k] = value;
-      Eigen::VectorXd result;
-      EXPECT_EQ(errors.evaluate(moved, result, nullptr), mechanics::PathStatus::ok);
-      return result;
-    };
-    const Eigen::VectorXd slope = testing::difference(at, p[k], 2e-6 * p[k]);
-    testing::Comparison compared("parameter " + std::to_string(k));
-    for (Eigen::Index i = 0; i < slope.size(); ++i) compared.add(jacobian(i, k), slope[i]);
-    compared.judge(1e-5);
-  }
-}
-
 TEST(LoadErrors, HaveTheirDerivatives) {
   const twin::FrictionSample& cloth = twin::stretch_samples()[1];
   LoopTable table = loops_of_twin(cloth);
   table.load_noise = 0.01;
   LoadErrors errors(*StrainPoint::make(friction_model("green_u")), table);
-  expect_derivatives(errors, near(cloth), {kK1, kK2, kA, kB, kTau});
+  testing::expect_derivatives(errors, near(cloth), {kK1, kK2, kA, kB, kTau});
 }
 
 TEST(MomentErrors, HaveTheirDerivatives) {
@@ -86,7 +66,7 @@ TEST(MomentErrors, HaveTheirDerivatives) {
   ASSERT_TRUE(profiles);
   MomentErrors errors(*StrainPoint::make(friction_model("bend_u")),
                       std::make_shared<const std::vector<ProfileSamples>>(*profiles), near(cloth));
-  expect_derivatives(errors, near(cloth), {kK1, kK2, kA, kB, kTau});
+  testing::expect_derivatives(errors, near(cloth), {kK1, kK2, kA, kB, kTau});
 }
 
 TEST(Loops, WithoutNoiseGiveBackTheTable) {

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 const std::vector<int> kFitted = {2, 3, 4};
 constexpr int kFrames = 60;
 constexpr int kPoints = 6;  // of the curve along the pull
-constexpr int kNodes = 11;
+constexpr int kNodes = 17;  // along the clamps; cells are nearly square
 
 struct Knit {
   capture::Capture whole;
@@ -38,8 +38,7 @@ struct Knit {
 Expected<CapturedSequence> pulls(const Knit& knit, const std::vector<int>& runs) {
   auto capture = capture::with_runs(knit.whole, runs);
   if (!capture) return tl::unexpected(capture.error());
-  return sequence_from_capture(*capture,
-                               {.nodes_u = kNodes, .nodes_v = kNodes, .most_frames = kFrames});
+  return sequence_from_capture(*capture, {.nodes_u = kNodes, .most_frames = kFrames});
 }
 
 /// The curve along the pull over the strains of this knit.

@@ -7,6 +7,8 @@ namespace tenter::diagnosis {
 
 namespace {
 
+constexpr double kLargestOfChanges = 2.0, kLargestOfLengths = 1.1;
+
 /// Components whose free stretch was observed, without repetition.
 std::vector<int> observed_stretches(const Excitation& excitation) {
   bool seen[2] = {false, false};
@@ -37,7 +39,12 @@ Effect camera_scale() {
       Variant variant;
       variant.words = std::string(type == "camera_scale" ? "changes of length" : "lengths") +
                       (component.empty() ? ", both stretches" : ", stretch " + component);
-      variant.corrections.push_back(new_correction(model, type, component));
+      model::SensorCorrection correction = new_correction(model, type, component);
+      // beyond, a camera is noticed by eye, and what looks like one is a contraction
+      const double largest = type == "camera_scale" ? kLargestOfChanges : kLargestOfLengths;
+      correction.parameters.front().lower = 1.0 / largest;
+      correction.parameters.front().upper = largest;
+      variant.corrections.push_back(std::move(correction));
       variants.push_back(std::move(variant));
     };
     for (const char* type : {"camera_scale", "camera_length"}) {

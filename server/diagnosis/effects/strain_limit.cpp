@@ -6,6 +6,7 @@ namespace tenter::diagnosis {
 
 Effect strain_limit() {
   Effect effect = described("strain_limit");
+  effect.special_of = "nonlinear_stiffness";
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     std::vector<Place> candidates = places(model, excitation, false);

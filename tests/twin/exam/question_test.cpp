@@ -41,7 +41,8 @@ TEST(Questions, AskOnlyWhatTheSuiteCanShow) {
     EXPECT_FALSE(question.twin.suite == "knit_like" && question.truth == "internal_friction");
     EXPECT_EQ(question.rate_hidden,
               question.twin.suite == "no_time" &&
-                  (question.truth == "viscosity" || question.truth.ends_with("friction")));
+                  (question.truth == "viscosity" || question.truth == "internal_friction" ||
+                   question.truth == "strain_dependent_friction"));
   }
 }
 

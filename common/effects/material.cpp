@@ -10,7 +10,7 @@ std::vector<Row> material_rows() {
        "a stiffness that changes with strain, the same on the way up and down",
        "single-valued in strain, the same sign on both branches",
        "a convex spline in the place of a constant stiffness, or beside the other terms",
-       {"anisotropy", "strain_limit"},
+       {"anisotropy"},
        {"wider_range",
         "A slow ramp to a larger strain in each direction: the curve of force against strain "
         "bends.",
@@ -114,16 +114,6 @@ std::vector<Row> material_rows() {
         {{"cycle", "three cycles to a third of the range"},
          {"cycle", "three cycles to two thirds"},
          {"cycle", "three cycles to the full range"}}}},
-      {"strain_limit",
-       Kind::material,
-       "a strain limit: beyond a strain the stiffness jumps up",
-       "nothing below one strain, in proportion to what is above it, the same on both branches",
-       "a stiffness that acts beyond a threshold only, with the threshold on a grid",
-       {"nonlinear_stiffness"},
-       {"slow_ramp_through_the_limit",
-        "A slow, densely recorded ramp from half the limit to as far beyond it as the rig allows: "
-        "a limit bends the curve at one strain, a changing stiffness everywhere.",
-        {{"ramp", "to half the limit"}, {"ramp", "slowly, to one and a half times the limit"}}}},
   };
 }
 

@@ -9,7 +9,7 @@ const std::vector<Effect>& catalogue() {
       // clang-format off
       nonlinear_stiffness(), anisotropy(), poisson_coupling(), cross_modal_stiffening(),
       internal_friction(), strain_dependent_friction(), viscosity(),
-      plastic_set(), first_cycle_softening(), strain_limit(),
+      plastic_set(), first_cycle_softening(),
       cord_friction(),
       load_cell_offset(), load_cell_gain(), load_cell_drift(), load_cell_saturation(),
       clip_slip(), force_camera_delay(), camera_scale(),

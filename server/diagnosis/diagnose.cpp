@@ -70,21 +70,6 @@ double criterion(const Trial& trial, int added_effects, double rows) {
   return information(trial.fit.chi2, trial.parameters, added_effects, rows);
 }
 
-/// Puts each special form behind the best trial of its general effect that fits better: fewer
-/// numbers alone do not make a special cause.
-void put_general_first(std::vector<Trial>& trials) {
-  for (std::size_t i = trials.size(); i-- > 0;) {
-    const std::string& general = trials[i].effect->special_of;
-    if (general.empty()) continue;
-    std::size_t better = trials.size();
-    for (std::size_t j = i + 1; j < trials.size() && better == trials.size(); ++j)
-      if (trials[j].effect->id == general && trials[j].fit.chi2 < trials[i].fit.chi2) better = j;
-    if (better == trials.size()) continue;
-    const auto from = trials.begin() + static_cast<std::ptrdiff_t>(i);
-    std::rotate(from, from + 1, trials.begin() + static_cast<std::ptrdiff_t>(better) + 1);
-  }
-}
-
 /// Refits the short list and judges it, best first, until one passes every gate. Trials keep the
 /// order of their criterion; the first of those that passed is the round's choice.
 std::vector<Trial> run_round(const std::vector<Candidate>& candidates, const Reference& current,
@@ -101,7 +86,6 @@ std::vector<Trial> run_round(const std::vector<Candidate>& candidates, const Ref
   std::stable_sort(trials.begin(), trials.end(), [&](const Trial& a, const Trial& b) {
     return criterion(a, added_effects + 1, rows) < criterion(b, added_effects + 1, rows);
   });
-  put_general_first(trials);
   return trials;
 }
 

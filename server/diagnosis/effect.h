@@ -73,9 +73,6 @@ struct Effect {
   bool in_every_run = true;  ///< false: an accident; what is left out cannot be asked for it
   bool needs_rate = false;   ///< without time or rate at most AMBIGUOUS
   std::vector<std::string> mistaken_for;
-  /// Id of the effect that this one is a form of with fewer numbers: it is believed before that one
-  /// only where it fits no worse.
-  std::string special_of;
   NextProtocol split_by;  ///< the protocol that excites it and tells it from its neighbours
   /// Ways to extend this model; empty: nothing to add.
   std::function<std::vector<Variant>(const model::Model&, const Excitation&)> variants;

@@ -84,8 +84,6 @@ Nominal step(const Cloth& cloth, double angle, const Deformation& next, double d
         cloth.cross_stretch * e[i] * other * other + cloth.cross_shear * e[i] * shear * shear;
     // half of dPsi/dEuv, which counts both off-diagonal entries
     stress[2] += cloth.cross_shear * e[i] * e[i] * shear;
-    const double beyond = std::abs(e[i]) - cloth.limit_strain;
-    if (beyond > 0.0) stress[i] += std::copysign(cloth.limit_stiffness[i] * beyond, e[i]);
   }
 
   if (dt > 0.0)

@@ -6,10 +6,9 @@
 // Material axes: u (weft) and v (warp), Green strains Eu, Ev, Euv, second Piola stresses Su, Sv,
 // Suv (N/m):
 //
-//   limit       S += k (|E| - limit) sign(E)  beyond the limit
 //   cross-modal the derivatives of  c/2 Eu^2 Ev^2 + d/2 (Eu^2 + Ev^2) (2 Euv)^2
-//   elastic     Su = s_u C11 (Eu - pu) + C12 (Ev - pv) + k_u Eu^3,   Suv = 2 C33 Euv     (v
-//   likewise) friction    d sigma / d e = (a + b |e| - sign(de) sigma) / tau   on fibres e = n.E n
+//   elastic     Su = s_u C11 (Eu - pu) + C12 (Ev - pv) + k_u Eu^3,   Suv = 2 C33 Euv  (v likewise)
+//   friction    d sigma / d e = (a + b |e| - sign(de) sigma) / tau   on fibres e = n.E n
 //   Maxwell     dq/dt = k dE/dt - q / T                               Kelvin-Voigt  eta dE/dt
 //   plastic     dp = alpha dE while E passes both its yield strain and its largest value so far
 //   softening   s = 1 - A (1 - exp(-(m - E) / w)),  m = largest E so far
@@ -38,11 +37,9 @@ struct FrictionFibre {
 /// Everything constant of one cloth. Pairs are {u, v}.
 struct Cloth {
   Elastic elastic;
-  std::array<double, 2> cubic = {0.0, 0.0};            ///< N/m
-  double cross_stretch = 0.0;                          ///< c, N/m
-  double cross_shear = 0.0;                            ///< d, N/m
-  std::array<double, 2> limit_stiffness = {0.0, 0.0};  ///< N/m
-  double limit_strain = 0.05;
+  std::array<double, 2> cubic = {0.0, 0.0};  ///< N/m
+  double cross_stretch = 0.0;                ///< c, N/m
+  double cross_shear = 0.0;                  ///< d, N/m
   std::vector<FrictionFibre> friction;
   std::array<double, 2> maxwell = {0.0, 0.0};  ///< N/m
   double relaxation_time_s = 5.0;

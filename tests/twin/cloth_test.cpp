@@ -63,15 +63,12 @@ TEST(TwinCloth, StressIsDerivativeOfEnergyAtAnAngle) {
               (energy({f.x, f.y, f.shear + h}) - energy({f.x, f.y, f.shear - h})) / (2 * h), 1e-6);
 }
 
-// in rotated axes, with every addend that stiffens: the nominal stress is the derivative of the
-// energy
-TEST(TwinCloth, AddendsThatStiffenHaveAnEnergy) {
+// in rotated axes: the nominal stress is the derivative of the energy
+TEST(TwinCloth, CrossModalStiffeningHasAnEnergy) {
   Cloth cloth;
   cloth.elastic = {0.0, 0.0, 0.0, 0.0};
   cloth.cross_stretch = 2e4;
   cloth.cross_shear = 3e4;
-  cloth.limit_stiffness = {500.0, 700.0};
-  cloth.limit_strain = 0.02;
   const double angle = 0.6;
   const auto energy = [&](const Deformation& f) {
     const double c = std::cos(angle), s = std::sin(angle);
@@ -80,9 +77,7 @@ TEST(TwinCloth, AddendsThatStiffenHaveAnEnergy) {
     const double eu = c * c * exx + s * s * eyy - 2 * c * s * exy;
     const double ev = s * s * exx + c * c * eyy + 2 * c * s * exy;
     const double g = 2.0 * (c * s * (exx - eyy) + (c * c - s * s) * exy);
-    const double lu = std::max(0.0, std::abs(eu) - 0.02), lv = std::max(0.0, std::abs(ev) - 0.02);
-    return 1e4 * eu * eu * ev * ev + 1.5e4 * (eu * eu + ev * ev) * g * g + 250.0 * lu * lu +
-           350.0 * lv * lv;
+    return 1e4 * eu * eu * ev * ev + 1.5e4 * (eu * eu + ev * ev) * g * g;
   };
   const Deformation f{1.12, 1.07, 0.05};
   ClothState state;
@@ -95,8 +90,8 @@ TEST(TwinCloth, AddendsThatStiffenHaveAnEnergy) {
               1e-6);
   EXPECT_NEAR(p.shear,
               (energy({f.x, f.y, f.shear + h}) - energy({f.x, f.y, f.shear - h})) / (2 * h), 1e-6);
-  // below the limit, and with one mode alone, nothing
-  EXPECT_EQ(step(cloth, 0.0, {1.019, 1.0, 0.0}, 0.0, state).x, 0.0);
+  // with one mode alone, nothing
+  EXPECT_EQ(step(cloth, 0.0, {1.1, 1.0, 0.0}, 0.0, state).x, 0.0);
 }
 
 TEST(TwinCloth, DahlFrictionSaturatesAndReversesAsItsSolutionSays) {

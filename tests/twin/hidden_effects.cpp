@@ -76,13 +76,6 @@ void cross_modal(double amplitude, const std::string& variant, const Plans&, Ran
   (variant == "shear" ? truth.cloth.cross_shear : truth.cloth.cross_stretch) = c;
 }
 
-void strain_limit(double amplitude, const std::string& variant, const Plans&, Random choices,
-                  Truth& truth) {
-  truth.cloth.limit_strain = choices.uniform(0.025, 0.055);
-  if (variant != "v") truth.cloth.limit_stiffness[0] = amplitude;
-  if (variant != "u") truth.cloth.limit_stiffness[1] = amplitude;
-}
-
 std::size_t cell_of(const std::string& variant) {
   return variant == "y" ? 1 : 0;
 }
@@ -204,7 +197,6 @@ const std::vector<HiddenEffect>& hidden_effects() {
        1e4,
        "N/m at 5 %",
        cross_modal},
-      {"strain_limit", {"u", "v", "both"}, false, false, false, 100.0, 1e5, "N/m", strain_limit},
       {"internal_friction",
        {"axes", "axes", "fibres"},
        false,

@@ -16,7 +16,6 @@ Effect strain_dependent_friction();
 Effect viscosity();
 Effect plastic_set();
 Effect first_cycle_softening();
-Effect strain_limit();
 Effect load_cell_offset();
 Effect load_cell_gain();
 Effect load_cell_drift();

@@ -17,6 +17,8 @@
 #include "common/capture/file/capture_file.h"
 #include "common/model/document.h"
 #include "common/model/presets.h"
+#include "common/report/html_report.h"
+#include "common/report/text_report.h"
 #include "server/jobs/fit_requests.h"
 #include "server/jobs/results/run_job.h"
 #include "server/jobs/sheet_fit/sheet_options.h"
@@ -215,6 +217,51 @@ TEST_F(Requests, AnEvenSheetGetsNoSampleAndALimitOutOfReachIsSaidToBe) {
   // k eps^2 / 2 of the warp, and what the weft adds: 80 x 0.04^2 / 2
   EXPECT_NEAR(limit["energy_max"].get<double>(), 0.064, 0.02);
   EXPECT_EQ(result["model"]["limits"][0]["energy_max"]["value"], 1.0);
+}
+
+TEST_F(Requests, ALimitThatIsReachedComesOutWithinItsInterval) {
+  testing::SheetCaptureOptions options;
+  options.role = "hung_v";
+  options.pull_N = 0.42;  // of 0.32 N at the limit, were the sheet linear
+  const double truth = 0.5 * 80.0 * 0.04 * 0.04;
+  options.cloth.limits = {{"lock", {"warp"}, truth, "J/m^2"}};
+  const fs::path path = folder_ / "hung.h5";
+  ASSERT_TRUE(capture::write_capture(testing::sheet_capture(options), path.string()));
+  captures_.emplace_back(id_of(1), path);
+  model::Model start = options.cloth;
+  start.limits[0].energy_max = 1.7 * truth;
+  for (model::Term& term : start.terms)
+    for (model::Parameter& p : term.law.parameters) p.fixed = term.id != "warp";
+  start.terms[1].law.parameters[0].value = 65.0;
+  const json result = run({{"kind", "fit"},
+                           {"captures", {id_of(1)}},
+                           {"model", document_of(start)},
+                           {"options",
+                            {{"staged", false},
+                             {"resolution", 7},
+                             {"grid", "equal"},
+                             {"start", "model"},
+                             {"channels", "all"},
+                             {"roles", {{id_of(1), "stretch_v"}}},
+                             {"limits", true}}}});
+  const json& limit = result["limit"];
+  ASSERT_TRUE(limit["is_reached"].get<bool>()) << limit;
+  const double found = limit["energy_max"].get<double>();
+  const double error = limit["std_error"].get<double>();
+  EXPECT_GT(error, 1e-5 * truth);
+  EXPECT_LT(error, 0.05 * truth);
+  EXPECT_NEAR(found, truth, 1.96 * error);
+  EXPECT_GT(limit["cost_without"].get<double>(), 2.0 * limit["cost"].get<double>());
+  EXPECT_GE(limit["active_frames"].get<int>(), 1);
+  EXPECT_EQ(result["model"]["limits"][0]["energy_max"]["value"], limit["energy_max"]);
+  const json& warp = result["model"]["terms"][1]["law"]["parameters"]["k"];
+  EXPECT_NEAR(warp["value"].get<double>(), 80.0, 3.0 * warp["std_error"].get<double>());
+  // the page and the text name it
+  const std::string page = report::render_html(result.dump()).value();
+  EXPECT_NE(page.find("<code>lock</code>"), std::string::npos);
+  EXPECT_NE(page.find("the limit &quot;lock&quot; is reached in 2 frames"), std::string::npos);
+  const std::string text = report::render_text(result.dump(), {.width = 1000}).value();
+  EXPECT_NE(text.find(limit["message"].get<std::string>()), std::string::npos) << text;
 }
 
 TEST(FitRequests, WhatDoesNotGoTogetherIsRefusedAtTheDoorInOneSentence) {

@@ -82,6 +82,21 @@ void pull(Capture& made, const SheetCaptureOptions& options, const Vec3& moved, 
   sheet.cords = {cord};
 }
 
+/// The bar is free instead, and two cords with tensions of their own pull it.
+void hang(Capture& made, const SheetCaptureOptions& options) {
+  Sheet& sheet = *made.sheet;
+  sheet.clips[1].is_free = true;
+  sheet.cords.push_back(sheet.cords[0]);
+  sheet.cords[1].id = "other_cord";
+  for (std::size_t c = 0; c < 2; ++c) {
+    sheet.cords[c].attachment_m = {c == 0 ? 0.2 * kSize_m : 0.85 * kSize_m, 1.1 * kSize_m, 0.0};
+    for (std::size_t f = 0; f < made.frame_count(); ++f) {
+      const double share = static_cast<double>(f + 1) / static_cast<double>(made.frame_count());
+      sheet.cords[c].tension_N[f] = 0.5 * share * options.pull_N;
+    }
+  }
+}
+
 void push_over_edge(Capture& made, bool along_u) {
   capture::SupportTrack table;
   table.id = "table";
@@ -120,13 +135,21 @@ void simulate(Capture& made, const SheetCaptureOptions& options) {
     const auto b = static_cast<std::size_t>(sequence.frames[f].boundary);
     auto solver = mechanics::EquilibriumSolver::make(mesh_model, sequence.boundaries[b]).value();
     prescribe(sequence, f, true, state);
-    const auto solved = solver.solve(parameters, sequence.loads, state, how);
+    mechanics::Loads loads = sequence.loads;
+    loads.cord_force_N = sequence.frames[f].cord_force_N;
+    const auto solved = solver.solve(parameters, loads, state, how);
     if (!solved || !solved->is_good(how)) throw std::runtime_error("no equilibrium");
     for (std::size_t k = 0; k < sheet.vertex_count(); ++k)
       for (std::size_t c = 0; c < 3; ++c)
         sheet.position_m[sheet.at(f, k) + c] =
             state.x[static_cast<Eigen::Index>(3 * k + c)] + options.sigma_m * normal(random);
+    for (std::size_t c = 0; c < sheet.clips.size(); ++c)
+      if (sheet.clips[c].is_free) {
+        const Eigen::Vector3d& at = state.clips[c].position_m;
+        sheet.clips[c].pose[f].position_m = {at.x(), at.y(), at.z()};
+      }
     for (capture::CordTrack& cord : sheet.cords) {
+      if (sheet.find_clip(cord.clip)->is_free) continue;  // a load, not an answer
       const mechanics::Clip& clip = sequence.boundaries[b].clips[1];
       const Eigen::Vector3d pulled =
           mechanics::reaction(clip, state.x, solved->by_node, Eigen::Vector3d::Zero()).force_N;
@@ -153,11 +176,12 @@ Capture sheet_capture(const SheetCaptureOptions& options) {
     push_over_edge(made, options.role == "bend_u");
   } else {
     const double by = 4e-3 * options.reach;
-    const bool along_u = options.role != "stretch_v";
-    const Vec3 moved = options.role == "shear"       ? Vec3{0.5 * by, by, 0.0}
-                       : options.role == "stretch_v" ? Vec3{0.0, by, 0.0}
-                                                     : Vec3{by, 0.0, 0.0};
+    const bool along_u = options.role != "stretch_v" && options.role != "hung_v";
+    const Vec3 moved = options.role == "shear" ? Vec3{0.5 * by, by, 0.0}
+                       : along_u               ? Vec3{by, 0.0, 0.0}
+                                               : Vec3{0.0, by, 0.0};
     pull(made, options, moved, along_u);
+    if (options.role == "hung_v") hang(made, options);
   }
   simulate(made, options);
   return made;

@@ -14,10 +14,13 @@ namespace tenter::testing {
 model::Model true_cloth();
 
 struct SheetCaptureOptions {
-  std::string role = "stretch_u";  ///< or stretch_v, shear, bend_u, bend_v
-  int nodes = 7;                   ///< on a side
+  /// Or stretch_v, shear, bend_u, bend_v; "hung_v": the bar is free, and cords whose tensions grow
+  /// to pull_N pull it along the warp, nearly through its middle.
+  std::string role = "stretch_u";
+  int nodes = 7;  ///< on a side
   int frames = 5;
   double reach = 1.0;  ///< of the usual pull
+  double pull_N = 0.4;
   double sigma_m = 2e-5;
   double sigma_N = 3e-3;
   unsigned seed = 1;

@@ -43,7 +43,7 @@ bool has(const Json& result, const char* verdict) {
 
 std::string headline(const Json& result) {
   const std::string kind = text(result, "kind");
-  if (const std::string friction = friction_headline(result); !friction.empty()) return friction;
+  if (std::string friction = friction_headline(result); !friction.empty()) return friction;
   if (kind != "diagnose") {
     const std::string what = kind == "simulate" ? "The simulation misses " : "The fit misses ";
     const std::optional<double> error = number(result, "error_after");

@@ -47,6 +47,7 @@ std::vector<std::vector<double>> frame_costs(
     const Eigen::VectorXd& residuals, const std::vector<Row>& rows,
     const std::vector<std::vector<mechanics::State>>& states) {
   std::vector<std::vector<double>> costs;
+  costs.reserve(states.size());
   for (const auto& of_sequence : states) costs.emplace_back(of_sequence.size(), 0.0);
   for (std::size_t i = 0; i < rows.size(); ++i)
     costs[static_cast<std::size_t>(rows[i].curve)][static_cast<std::size_t>(rows[i].frame)] +=

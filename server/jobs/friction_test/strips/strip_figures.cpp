@@ -79,7 +79,7 @@ std::vector<double> three_anchors(const StripPart& part) {
   std::set<double> all;
   for (const ProfileSamples& profile : part.found.profiles)
     if (profile.anchor > 0.0) all.insert(profile.anchor);
-  const std::vector<double> sorted(all.begin(), all.end());
+  std::vector<double> sorted(all.begin(), all.end());
   if (sorted.size() <= 3) return sorted;
   return {sorted.front(), sorted[sorted.size() / 2], sorted.back()};
 }

@@ -9,6 +9,7 @@
 #include "common/model/document.h"
 #include "common/model/export/curves.h"
 #include "common/model/export/term_curve.h"
+#include "common/model/usual_ranges.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/uncertainty/caveats.h"
 #include "server/jobs/results/json_number.h"
@@ -289,6 +290,23 @@ std::vector<estimation::DroppedFrames> dropped_frames(const SheetFindings& found
   return all;
 }
 
+/// "weft": stiffness that no garment has; rarely right.
+void put_unusual(const model::Model& fitted, json& list) {
+  for (const model::Term& term : fitted.terms) {
+    const auto usual = model::usual_range(term);
+    if (!usual) continue;
+    for (const model::Parameter& p : term.law.parameters) {
+      if (p.value >= usual->lo && p.value <= usual->hi) continue;
+      char why[200];
+      std::snprintf(why, sizeof why,
+                    "%.3g %s; ten garment fabrics have %.2g to %.2g: right for what is no garment, "
+                    "else look at units, scale and what the captures tell of it",
+                    p.value, p.unit.c_str(), usual->lo, usual->hi);
+      list.push_back(check("WARNING", "unusual: " + term.id + "." + p.name, why));
+    }
+  }
+}
+
 /// What a reader must not overlook: stages that were not done, captures without a rest, the fit's
 /// own caveats, and how far the errors are from the noise.
 json checklist_json(const SheetFindings& found) {
@@ -314,6 +332,7 @@ json checklist_json(const SheetFindings& found) {
     const bool is_wanted = caveat.kind == estimation::CaveatKind::frozen;  // by the document
     list.push_back(check(is_wanted ? "OK" : "WARNING", heading(caveat), caveat.sentence));
   }
+  put_unusual(found.fitted, list);
   put_request_checks(found, list);
   const json fitted = total_json(found, false);
   for (const char* kind : {"force", "position"}) {

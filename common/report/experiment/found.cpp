@@ -34,17 +34,28 @@ std::vector<double> scaled(const Json& values, double factor) {
   return result;
 }
 
-FoundLine line_of(const Json& curve) {
+/// Of the curves of this number in all runs: lines in one plot share their units.
+double largest_of(const Json& runs, std::size_t number_of_curve, const char* axis) {
+  double most = 0.0;
+  for (const Json& run : runs) {
+    const Json& curves = list(run, "curves");
+    if (number_of_curve < curves.size())
+      most = std::max(most, largest_of(list(member(curves[number_of_curve], axis), "values")));
+  }
+  return most;
+}
+
+FoundLine line_of(const Json& curve, double largest_x, double largest_y) {
   FoundLine line;
   line.words = text(curve, "words");
-  const auto axis = [](const Json& from, std::string& label, std::vector<double>& values) {
-    const Json& list_of = list(from, "values");
-    const ShownUnit unit = shown_unit(text(from, "unit"), largest_of(list_of));
+  const auto axis = [](const Json& from, double largest, std::string& label,
+                       std::vector<double>& values) {
+    const ShownUnit unit = shown_unit(text(from, "unit"), largest);
     label = text(from, "name") + " (" + unit.name + ")";
-    values = scaled(list_of, unit.factor);
+    values = scaled(list(from, "values"), unit.factor);
   };
-  axis(member(curve, "x"), line.x_label, line.x);
-  axis(member(curve, "y"), line.y_label, line.y);
+  axis(member(curve, "x"), largest_x, line.x_label, line.x);
+  axis(member(curve, "y"), largest_y, line.y_label, line.y);
   return line;
 }
 
@@ -88,11 +99,14 @@ Expected<Found> found_of(const std::string& result_json) {
   Found found;
   found.scene = text(result, "scene");
   found.model = text(result, "model");
-  for (const Json& from : list(experiment, "runs")) {
+  const Json& runs = list(experiment, "runs");
+  for (const Json& from : runs) {
     RunFound run;
     run.name = text(from, "name");
     run.reason = text(from, "reason");
-    for (const Json& curve : list(from, "curves")) run.lines.push_back(line_of(curve));
+    const Json& curves = list(from, "curves");
+    for (std::size_t c = 0; c < curves.size(); ++c)
+      run.lines.push_back(line_of(curves[c], largest_of(runs, c, "x"), largest_of(runs, c, "y")));
     for (const Json& picture : list(from, "pictures")) run.pictures.push_back(picture_of(picture));
     run.triangles = triangles_of(from);
     found.runs.push_back(std::move(run));
@@ -101,7 +115,7 @@ Expected<Found> found_of(const std::string& result_json) {
     const std::string id = text(measure, "id");
     double most = 0.0;
     std::vector<std::optional<double>> values;
-    for (const Json& run : list(experiment, "runs")) {
+    for (const Json& run : runs) {
       values.push_back(number(member(run, "measures"), id.c_str()));
       most = std::max(most, std::abs(values.back().value_or(0.0)));
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/report/experiment/figure.h"
+#include "common/report/experiment/found.h"
 
 #include <gtest/gtest.h>
 
@@ -143,6 +144,21 @@ TEST(ExperimentFigure, ShowsPicturesNumbersAndLinesOfEveryRun) {
   const auto text = experiment_text(result().dump());
   ASSERT_TRUE(text);
   EXPECT_NE(text->find("without\n  rms curvature (1/m): 5\n"), std::string::npos) << *text;
+}
+
+TEST(ExperimentFigure, LinesOfOnePlotShareTheirUnits) {
+  nlohmann::json motion = result();
+  for (std::size_t r = 0; r < 2; ++r) {
+    nlohmann::json& y = motion["experiment"]["runs"][r]["curves"][0]["y"];
+    y["unit"] = "J";
+    y["values"] = {0.0, r == 0 ? 2.5e-4 : 9e-5, 0.0};
+  }
+  const auto found = found_of(motion.dump());
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->runs[0].lines[0].y_label, "curvature (mJ)");
+  EXPECT_EQ(found->runs[1].lines[0].y_label, "curvature (mJ)");
+  EXPECT_NEAR(found->runs[0].lines[0].y[1], 0.25, 1e-12);
+  EXPECT_NEAR(found->runs[1].lines[0].y[1], 0.09, 1e-12);
 }
 
 TEST(ExperimentFigure, TakesOddDocumentsAsNothing) {

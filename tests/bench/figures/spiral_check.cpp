@@ -111,7 +111,9 @@ std::vector<double> balanced(const model::Model& model, double radius_m, const P
 }
 
 /// rms curvature of the chain's hinges beyond the clamp.
-double chain_rms(const std::string& material, bool has_friction, double radius_m, double clamp_m) {
+/// "58.7"; "no rest" where the chain found none.
+std::string chain_rms(const std::string& material, bool has_friction, double radius_m,
+                      double clamp_m) {
   for (twin::FrictionSample sample : twin::bending_samples()) {
     if (sample.name != material) continue;
     if (!has_friction) sample.a = sample.b = 0.0;
@@ -119,12 +121,14 @@ double chain_rms(const std::string& material, bool has_friction, double radius_m
     plan.gravity_m_s2 = 9.81;
     plan.clamp_angle_rad += clamp_m / radius_m;  // the clamp holds the wound strip's first part
     const twin::RestingStrip strip = twin::resting_strip(sample, plan);
-    if (!strip.is_at_rest) return NAN;
+    if (!strip.is_at_rest) return "no rest";
     std::vector<double> curvature;
     for (const double eps : strip.strain) curvature.push_back(eps / 3.0);
-    return rms(curvature);
+    char number[24];
+    std::snprintf(number, sizeof number, "%.4g", rms(curvature));
+    return number;
   }
-  return NAN;
+  return "no strip";
 }
 
 }  // namespace
@@ -170,9 +174,9 @@ bool check_spirals(const scene::Scene& scene, const std::string& scene_text) {
     std::vector<double> off;
     for (std::size_t i = 0; i < balance.size(); ++i)
       off.push_back(balance[i] - profile.curvature[i]);
-    std::printf("%-26s%10.4g%10.4g%10.4g%10.4g%12.3g %%\n", run.name.c_str(),
-                rms(profile.curvature), hinges, rms(balance),
-                chain_rms(scene.model, run.without_laws.empty(), radius_m, kClamp_m),
+    std::printf("%-26s%10.4g%10.4g%10.4g%10s%12.3g %%\n", run.name.c_str(), rms(profile.curvature),
+                hinges, rms(balance),
+                chain_rms(scene.model, run.without_laws.empty(), radius_m, kClamp_m).c_str(),
                 100.0 * rms(off) / rms(profile.curvature));
   }
   std::printf("\n");

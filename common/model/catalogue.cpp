@@ -65,6 +65,10 @@ std::string_view words_of(Domain domain) {
   return "";
 }
 
+std::string_view words_of(Seen seen) {
+  return seen == Seen::curves ? "curves" : "sheets";
+}
+
 std::string_view energy_density_unit(Domain domain) {
   return domain == Domain::solid ? "J/m^3" : "J/m^2";
 }
@@ -157,7 +161,7 @@ const std::vector<LawRow>& law_catalogue() {
       {"hermite_stiffness", 0, true, 1, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "stress k(eps) eps with k a Hermite spline through non-negative control points (thesis 3.3.2)"},
       {"bspline_stiffness", 0, true, 1, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "stress k(eps) eps with k a B-spline of non-negative coefficients, cubic from four of them on"},
       {"convex_spline", 0, true, 2, false, false, {{"k", "N/m", 0.0, kNone, 100.0, false, 2}}, "tangent stiffness a non-negative B-spline and stress its integral: a convex energy"},
-      {"constant_stress", 1, false, 0, false, false, {{"c", "N/m", kNone, kNone, 10.0, false, 1}}, "energy c eps: for strains that are energies already, such as invariants"},
+      {"constant_stress", 1, false, 0, false, false, {{"c", "N/m", kNone, kNone, 10.0, false, 1}}, "energy c eps: prestress and rest curvature, or for strains that are energies already"},
       {"ogden", 0, false, 0, false, false, {{"mu", "N/m", kNone, kNone, 50.0}, {"alpha", "1", -32.0, 32.0, 2.0}}, "energy mu ((1 + eps)^alpha - 1)/alpha - mu ln(1 + eps) of each stretch (Ogden)"},
       {"hermite_energy", 1, true, 2, false, false, {{"w", "N/m", kNone, kNone, 0.0}}, "energy a Hermite spline through control points (thesis 4.2)"},
       {"gaussian_energy", 1, true, 2, false, false, {{"w", "N/m", kNone, kNone, 0.0}}, "energy a sum of Gaussians with even centres (thesis 4.2)"},
@@ -178,7 +182,7 @@ const std::vector<LawRow>& law_catalogue() {
 
 const std::vector<CorrectionRow>& correction_catalogue() {
   static const std::vector<CorrectionRow> rows = {
-      // name, {{parameter, unit, lower, upper, default, fixed}...}, words
+      // name, {{parameter, unit, lower, upper, default, fixed}...}, words, of what
       {"offset", {{"value", "N/m", kNone, kNone, 0.0}}, "the channel shows a constant too much"},
       {"gain", {{"value", "1", 0.0, kNone, 1.0}}, "the channel shows a multiple of the true value"},
       {"drift", {{"rate", "N/(m s)", kNone, kNone, 0.0}}, "the channel's zero moves with the clock"},
@@ -188,6 +192,17 @@ const std::vector<CorrectionRow>& correction_catalogue() {
       {"saturation", {{"share", "1", 0.0, 2.0, 0.0}, {"cap", "N/m", kNone, kNone, 0.0}}, "the channel loses a share of what is above a cap; 1: a flat top"},
       {"camera_scale", {{"scale", "1", 0.0, kNone, 1.0}}, "the observed change of length is shown times a factor"},
       {"camera_length", {{"scale", "1", 0.0, kNone, 1.0}}, "the observed length is shown times a factor, also at rest"},
+      {"offset", {{"value", "N", kNone, kNone, 0.0}}, "the channel shows a constant force too much", Seen::sheets},
+      {"gain", {{"value", "1", 0.0, kNone, 1.0}}, "the channel shows a multiple of the true force", Seen::sheets},
+      {"drift", {{"rate", "N/s", kNone, kNone, 0.0}}, "the channel's zero moves with the clock", Seen::sheets},
+      {"delay", {{"value", "s", kNone, kNone, 0.0}}, "the channel shows the force of a moment earlier than the frame (later where negative)", Seen::sheets},
+      {"cord_friction", {{"mu", "1", 0.0, 1.0, 0.0}}, "the channel shows a share of the force more while its clip moves along it, less while it moves back", Seen::sheets},
+      {"saturation", {{"share", "1", 0.0, 2.0, 0.0}, {"cap", "N", kNone, kNone, 0.0}}, "the channel loses a share of what is above a cap; 1: a flat top", Seen::sheets},
+      {"camera_scale", {{"scale", "1", 0.0, kNone, 1.0}}, "points are shown a factor further from the middle of what the first frame saw", Seen::sheets},
+      {"camera_pose", {{"turn_x", "rad", kNone, kNone, 0.0}, {"turn_y", "rad", kNone, kNone, 0.0}, {"turn_z", "rad", kNone, kNone, 0.0}, {"shift_x", "m", kNone, kNone, 0.0}, {"shift_y", "m", kNone, kNone, 0.0}, {"shift_z", "m", kNone, kNone, 0.0}}, "points are shown turned by a vector about the middle of what the first frame saw, and shifted: a camera that was moved", Seen::sheets},
+      {"occlusion_bias", {{"length", "m", kNone, kNone, 0.0}}, "points beside hidden ones are shown nearer to the camera by a length", Seen::sheets},
+      {"clip_slip", {{"length", "m", kNone, kNone, 0.0}, {"at_frame", "1", 0.0, kNone, 0.0, true}}, "from a frame on the cloth has slipped out of a clip by a length, against its pull", Seen::sheets},
+      {"mass_scale", {{"scale", "1", 0.0, kNone, 1.0}}, "the sheet weighs a multiple of what was measured", Seen::sheets},
   };
   return rows;
 }
@@ -200,8 +215,19 @@ const StrainRow* find_strain(std::string_view name) {
 const LawRow* find_law(std::string_view name) {
   return find_row(law_catalogue(), name);
 }
-const CorrectionRow* find_correction(std::string_view name) {
-  return find_row(correction_catalogue(), name);
+const CorrectionRow* find_correction(std::string_view name, Seen seen) {
+  for (const CorrectionRow& row : correction_catalogue())
+    if (row.name == name && row.seen == seen) return &row;
+  return nullptr;
+}
+
+bool fits(const SensorCorrection& correction, const CorrectionRow& row) {
+  return correction.type == row.name &&
+         std::equal(correction.parameters.begin(), correction.parameters.end(),
+                    row.parameters.begin(), row.parameters.end(),
+                    [](const Parameter& parameter, const ParameterRow& expected) {
+                      return parameter.name == expected.name && parameter.unit == expected.unit;
+                    });
 }
 
 std::vector<Parameter> default_parameters(const LawRow& law, int control_points, Domain domain) {

@@ -58,11 +58,17 @@ struct LawRow {
   bool grid = false;  ///< spline laws of two strains: as many control points as a square number
 };
 
-/// A correction turns the true stress of a component into what its channel shows.
+/// What a correction's channels are of: curves of a homogeneous strain show N/m, clips of a sheet
+/// N.
+enum class Seen { curves, sheets };
+
+/// A correction turns the true value of a channel into what it shows; of sheets, it may also say
+/// what the rig did to the specimen. A name that both know has a row for each.
 struct CorrectionRow {
   std::string_view name;
   std::vector<ParameterRow> parameters;
   std::string_view words;
+  Seen seen = Seen::curves;
 };
 
 const std::vector<StrainRow>& strain_catalogue();
@@ -72,12 +78,18 @@ const std::vector<CorrectionRow>& correction_catalogue();
 /// nullptr where there is no such row.
 const StrainRow* find_strain(std::string_view name);
 const LawRow* find_law(std::string_view name);
-const CorrectionRow* find_correction(std::string_view name);
+const CorrectionRow* find_correction(std::string_view name, Seen seen = Seen::curves);
+
+/// Whether a correction has the parameters of a row, in their units. One of offset, gain, ... may
+/// fit the rows of both curves and sheets, where no unit tells them apart.
+bool fits(const SensorCorrection& correction, const CorrectionRow& row);
 
 constexpr int kMaxControlPoints = 64;
 
 /// "membrane", "edge", "hinge" or "solid".
 std::string_view words_of(Domain domain);
+/// "curves" or "sheets".
+std::string_view words_of(Seen seen);
 
 /// Of energy per area or volume, as energy limits give it: "J/m^2", in solids "J/m^3".
 std::string_view energy_density_unit(Domain domain);

@@ -150,6 +150,31 @@ EnergyLimit read_limit(const Node& node, const std::string& unit) {
   return limit;
 }
 
+/// Whether a row has all parameters that a document gives, in the units that it gives.
+bool may_be(const CorrectionRow& row, const Node& parameters) {
+  for (const std::string& key : parameters.keys()) {
+    const Node parameter = parameters.child(key);
+    const auto same = [&](const ParameterRow& known) {
+      return known.name == key &&
+             (!parameter.is_object() ||
+              parameter.text_or("unit", std::string(known.unit)) == std::string(known.unit));
+    };
+    if (std::none_of(row.parameters.begin(), row.parameters.end(), same)) return false;
+  }
+  return true;
+}
+
+/// Of curves, or of sheets where only their row has what the document gives.
+const CorrectionRow* correction_row(const Node& node, const std::string& type) {
+  const CorrectionRow* of_curves = find_correction(type, Seen::curves);
+  const CorrectionRow* of_sheets = find_correction(type, Seen::sheets);
+  if (of_curves == nullptr || of_sheets == nullptr) return of_curves ? of_curves : of_sheets;
+  if (!node.has("parameters")) return of_curves;
+  const Node parameters = node["parameters"];
+  parameters.expect_object();
+  return !may_be(*of_curves, parameters) && may_be(*of_sheets, parameters) ? of_sheets : of_curves;
+}
+
 SensorCorrection read_correction(const Node& node) {
   node.expect_object({"id", "effect", "type", "capture", "component", "parameters"});
   SensorCorrection correction;
@@ -158,7 +183,7 @@ SensorCorrection read_correction(const Node& node) {
   correction.type = node["type"].text();
   correction.capture = node.text_or("capture", "");
   correction.component = node.text_or("component", "");
-  const CorrectionRow* row = find_correction(correction.type);
+  const CorrectionRow* row = correction_row(node, correction.type);
   if (row == nullptr)
     node["type"].refuse("there is no sensor correction '" + correction.type + "'");
   correction.parameters = default_parameters(*row);

@@ -82,8 +82,8 @@ struct EnergyLimit {
 struct SensorCorrection {
   std::string id;
   std::string effect;
-  std::string capture;    ///< capture hash, or "" for all
-  std::string component;  ///< stress component "x", "y", "xy", or "" for all
+  std::string capture;    ///< capture hash, of sheets the sequence's name, or "" for all
+  std::string component;  ///< "x", "y", "xy", of sheets a channel of force, or "" for all
   std::string type;       ///< row of the correction catalogue
   std::vector<Parameter> parameters;
 };

@@ -245,13 +245,18 @@ Expected<void> check_correction(const SensorCorrection& correction, const std::s
   if (!is_identifier(correction.id)) return bad_input(path + ".id: " + kIdentifierRule);
   if (!correction.effect.empty() && !is_identifier(correction.effect))
     return bad_input(path + ".effect: " + kIdentifierRule);
-  const CorrectionRow* row = find_correction(correction.type);
+  const CorrectionRow* of_curves = find_correction(correction.type, Seen::curves);
+  const CorrectionRow* of_sheets = find_correction(correction.type, Seen::sheets);
+  const CorrectionRow* row = of_curves;
+  const bool may_be_of_sheets = of_sheets != nullptr && fits(correction, *of_sheets);
+  if (row == nullptr || (may_be_of_sheets && !fits(correction, *row))) row = of_sheets;
   if (row == nullptr)
     return bad_input(path + ".type: there is no sensor correction '" + correction.type + "'");
-  if (!correction.capture.empty() && !is_sha256(correction.capture))
+  if (!correction.capture.empty() && !is_sha256(correction.capture) &&
+      !(may_be_of_sheets && is_one_line(correction.capture)))
     return bad_input(path + ".capture: must be the SHA-256 of a capture");
   if (!correction.component.empty() && correction.component != "x" && correction.component != "y" &&
-      correction.component != "xy")
+      correction.component != "xy" && !(may_be_of_sheets && is_identifier(correction.component)))
     return bad_input(path + ".component: must be 'x', 'y' or 'xy', not '" + correction.component +
                      "'");
   return check_parameters(

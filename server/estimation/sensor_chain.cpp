@@ -2,57 +2,26 @@
 #include "server/estimation/sensor_chain.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
+
+#include "common/model/catalogue.h"
+#include "server/estimation/instrument/last_motion.h"
+#include "server/estimation/instrument/moment.h"
 
 namespace tenter::estimation {
 
 std::vector<double> directions_of(const Curves& curves, int component) {
-  constexpr double kStill = 0.01;  // of the range
-  const auto n = static_cast<int>(curves.frame_count());
-  std::vector<double> direction(static_cast<std::size_t>(n), 0.0);
-  if (n == 0 || curves.path.is_free[static_cast<std::size_t>(component)]) return direction;
-  const auto strain = [&](int f) { return curves.path.q[static_cast<std::size_t>(f)][component]; };
-  double lo = strain(0);
-  double hi = lo;
-  for (int f = 1; f < n; ++f) {
-    lo = std::min(lo, strain(f));
-    hi = std::max(hi, strain(f));
+  const auto n = curves.frame_count();
+  if (n == 0 || curves.path.is_free[static_cast<std::size_t>(component)])
+    return std::vector<double>(n, 0.0);
+  std::vector<double> strain;
+  std::vector<bool> starts;
+  for (std::size_t f = 0; f < n; ++f) {
+    strain.push_back(curves.path.q[f][component]);
+    starts.push_back(curves.path.start[f] != mechanics::FrameStart::next);
   }
-  if (hi - lo < 1e-6) return direction;
-  const double still = kStill * (hi - lo);
-  const auto fill = [&](int first, int last, double sign) {
-    std::fill(direction.begin() + first, direction.begin() + last, sign);
-  };
-  int extreme = 0;
-  double sign = 0.0;
-  for (int f = 0; f < n; ++f) {
-    const auto start = curves.path.start[static_cast<std::size_t>(f)];
-    if (f == 0 || start != mechanics::FrameStart::next) {
-      extreme = f;
-      sign = 0.0;
-      continue;
-    }
-    const double gone = strain(f) - strain(extreme);
-    if (sign == 0.0) {
-      if (std::abs(gone) <= still) continue;
-      sign = gone > 0.0 ? 1.0 : -1.0;
-      fill(extreme, f, sign);
-      extreme = f;
-    } else if (gone * sign > 0.0) {
-      extreme = f;
-    } else if (-gone * sign > still) {
-      sign = -sign;
-      // a hold at the extreme is not yet the way back
-      int turn = extreme;
-      for (int g = extreme + 1; g < f; ++g)
-        if (std::abs(strain(g) - strain(extreme)) <= 0.5 * still) turn = g;
-      fill(turn + 1, f, sign);
-      extreme = f;
-    }
-    direction[static_cast<std::size_t>(f)] = sign;
-  }
-  return direction;
+  constexpr double kLeastRange = 1e-6;
+  return last_motions(strain, starts, kLeastRange);
 }
 
 /// Const references that live for one call.
@@ -86,6 +55,9 @@ Expected<SensorChain> SensorChain::make(const model::Model& model,
     const auto* type = std::find(std::begin(kTypes), std::end(kTypes), description.type);
     if (type == std::end(kTypes))
       return bad_input("no sensor correction is called \"" + description.type + "\"");
+    if (const auto* row = model::find_correction(description.type);
+        !row || !fits(description, *row))
+      return bad_input("the correction \"" + description.id + "\" is not one of curves");
     correction.type = static_cast<Type>(type - std::begin(kTypes));
     correction.capture = description.capture;
     for (int i = 0; i < 3; ++i)
@@ -131,26 +103,20 @@ void SensorChain::shift(const Frame& at, Shown& shown) const {
   for (const Correction& c : corrections_) {
     if (c.type != Type::delay || !c.applies(at.curves, at.component)) continue;
     const CurveRun& run = at.run();
-    if (run.last - run.first < 2) continue;
-    const double when = at.clock(at.frame) - at.parameters[c.first_parameter];
-    int later = std::clamp(at.frame, run.first + 1, run.last - 1);
-    while (later > run.first + 1 && at.clock(later - 1) > when) --later;
-    while (later < run.last - 1 && at.clock(later) < when) ++later;
-    const double span = at.clock(later) - at.clock(later - 1);
-    if (!(span > 0.0)) continue;
-    const double place = (when - at.clock(later - 1)) / span;
-    const double w = std::clamp(place, 0.0, 1.0);
+    const auto moment = moment_at(at.curves.clock_s, run.first, run.last, at.frame,
+                                  at.clock(at.frame) - at.parameters[c.first_parameter]);
+    if (!moment) continue;
     start_over();
-    hang(at, later - 1, 1.0 - w, shown);
-    hang(at, later, w, shown);
-    if (!at.sensitivities || place != w) continue;
+    hang(at, moment->later - 1, 1.0 - moment->weight, shown);
+    hang(at, moment->later, moment->weight, shown);
+    if (!at.sensitivities || moment->span_s == 0.0) continue;
     // T0 and T1 themselves: their weights may be zero
     Shown ends;
     Frame values = at;
     values.sensitivities = false;
-    hang(values, later - 1, -1.0, ends);
-    hang(values, later, 1.0, ends);
-    shown.by_p[c.first_parameter] = -ends.value / span;
+    hang(values, moment->later - 1, -1.0, ends);
+    hang(values, moment->later, 1.0, ends);
+    shown.by_p[c.first_parameter] = -ends.value / moment->span_s;
   }
 }
 
@@ -177,30 +143,18 @@ void SensorChain::show_stress(const Curves& curves, int which,
   shift(at, shown);
   for (const Correction& c : corrections_) {
     if (c.type != Type::gain || !c.applies(curves, component)) continue;
-    const double gain = parameters[c.first_parameter];
-    if (sensitivities) {
-      shown.by_p *= gain;
-      shown.by_p[c.first_parameter] = shown.value;
-    }
-    shown.value *= gain;
+    amplify(parameters[c.first_parameter], c.first_parameter, sensitivities, shown);
   }
   for (const Correction& c : corrections_) {
     const bool adds = c.type == Type::offset || c.type == Type::drift || c.type == Type::clip_slip;
     if (!adds || !c.applies(curves, component)) continue;
-    const double column = added(c, at, parameters);
-    shown.value += parameters[c.first_parameter] * column;
-    if (sensitivities) shown.by_p[c.first_parameter] = column;
+    add(parameters[c.first_parameter], added(c, at, parameters), c.first_parameter, sensitivities,
+        shown);
   }
   for (const Correction& c : corrections_) {
     if (c.type != Type::saturation || !c.applies(curves, component)) continue;
-    const double share = parameters[c.first_parameter];
-    const double over = shown.value - parameters[c.first_parameter + 1];
-    if (over <= 0.0) continue;
-    shown.value -= share * over;
-    if (!sensitivities) continue;
-    shown.by_p *= 1.0 - share;
-    shown.by_p[c.first_parameter] = -over;
-    shown.by_p[c.first_parameter + 1] = share;
+    cut_off(parameters[c.first_parameter], parameters[c.first_parameter + 1], c.first_parameter,
+            sensitivities, shown);
   }
 }
 

@@ -26,15 +26,10 @@
 #include "common/base/error.h"
 #include "common/model/model.h"
 #include "server/estimation/curves.h"
+#include "server/estimation/instrument/reading.h"
 #include "server/mechanics/material_point.h"
 
 namespace tenter::estimation {
-
-/// One reading as predicted, and its derivatives by all parameters: terms first, then corrections.
-struct Shown {
-  double value = 0.0;
-  Eigen::RowVectorXd by_p;
-};
 
 class SensorChain {
  public:

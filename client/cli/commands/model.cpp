@@ -49,6 +49,7 @@ Json catalogue_json() {
                                  {"words", row.words}});
   for (const model::CorrectionRow& row : model::correction_catalogue())
     catalogue["corrections"].push_back({{"name", row.name},
+                                        {"of", model::words_of(row.seen)},
                                         {"parameters", parameters_json(row.parameters)},
                                         {"words", row.words}});
   return catalogue;
@@ -79,10 +80,10 @@ std::string catalogue_text() {
     laws.add({std::string(row.name),
               row.spline ? spline_words(row) : parameter_words(row.parameters),
               std::string(row.words)});
-  Table corrections({"sensor correction", "parameters", "meaning"});
+  Table corrections({"sensor correction", "of", "parameters", "meaning"});
   for (const model::CorrectionRow& row : model::correction_catalogue())
-    corrections.add(
-        {std::string(row.name), parameter_words(row.parameters), std::string(row.words)});
+    corrections.add({std::string(row.name), std::string(model::words_of(row.seen)),
+                     parameter_words(row.parameters), std::string(row.words)});
   return strains.text() + "\n" + laws.text() + "\n" + corrections.text();
 }
 

@@ -386,6 +386,7 @@ class LimitSearch {
 
 Expected<LimitFit> fit_limit(const model::Model& model, const std::vector<Sequence>& sequences,
                              const std::string& limit, const LimitFitOptions& options) {
+  if (auto ok = without_corrections(model); !ok) return tl::unexpected(ok.error());
   for (std::size_t i = 0; i < model.limits.size(); ++i)
     if (model.limits[i].id == limit) return LimitSearch(model, sequences, i, options).run();
   return bad_input("the model has no limit \"" + limit + "\"");

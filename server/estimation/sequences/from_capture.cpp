@@ -10,6 +10,7 @@
 #include "server/estimation/sequences/material/captured_material.h"
 #include "server/estimation/sequences/material/material_locator.h"
 #include "server/estimation/sequences/material/measured_state.h"
+#include "server/estimation/sequences/sensors/cord_directions.h"
 
 namespace tenter::estimation {
 
@@ -18,10 +19,6 @@ namespace {
 using capture::Capture;
 using capture::CordTrack;
 using capture::Sheet;
-
-Eigen::Vector3d vector_of(const capture::Vec3& v) {
-  return {v[0], v[1], v[2]};
-}
 
 /// The making of one sequence, step by step; each step fills one part of it.
 class Making {
@@ -198,8 +195,23 @@ class Making {
     return pose_of(sheet_.clips[clip].pose[frame]).rotation * force.direction;
   }
 
-  Expected<void> add_force(int clip, const Eigen::Vector3d& direction, bool turns_with_clip) {
+  /// The name, or one after it where that is taken.
+  std::string free_name(const std::string& name) const {
+    const auto is_taken = [&](const std::string& other) {
+      const auto& forces = out_.sequence.forces;
+      return std::any_of(forces.begin(), forces.end(),
+                         [&](const ForceChannel& force) { return force.name == other; });
+    };
+    std::string free = name;
+    for (int k = 2; is_taken(free); ++k) free = name + "_" + std::to_string(k);
+    return free;
+  }
+
+  /// `name`: of the cord along it, or else of the clip.
+  Expected<void> add_force(int clip, const std::string& name, const Eigen::Vector3d& direction,
+                           bool turns_with_clip) {
     ForceChannel force;
+    force.name = free_name(name);
     force.clip = clip;
     force.direction = direction.normalized();
     force.turns_with_clip = turns_with_clip;
@@ -234,48 +246,18 @@ class Making {
       for (const FromCaptureOptions::Force& asked : options_.forces) {
         if (asked.clip != clips_[c].id) continue;
         is_asked = true;
-        if (auto ok = add_force(static_cast<int>(c), asked.direction, asked.turns_with_clip); !ok)
+        if (auto ok = add_force(static_cast<int>(c), clips_[c].id, asked.direction,
+                                asked.turns_with_clip);
+            !ok)
           return ok;
       }
       if (is_asked) continue;
-      const auto [directions, turn] = spanned_directions(c);
-      for (const Eigen::Vector3d& direction : directions)
-        if (auto ok = add_force(static_cast<int>(c), direction, turn); !ok) return ok;
+      const CordDirections known = cord_directions(sheet_, sheet_.clips[c], out_.frame);
+      for (const auto& [cord, direction] : known.along)
+        if (auto ok = add_force(static_cast<int>(c), cord, direction, known.turns_with_clip); !ok)
+          return ok;
     }
     return {};
-  }
-
-  /// Directions at right angles to each other that the cords of a clip span, in space, or in the
-  /// clip's frame where they vary less there.
-  std::pair<std::vector<Eigen::Vector3d>, bool> spanned_directions(std::size_t clip) const {
-    std::vector<Eigen::Vector3d> means[2];
-    double variation[2] = {0.0, 0.0};
-    for (const CordTrack& cord : sheet_.cords) {
-      if (cord.clip != clips_[clip].id) continue;
-      for (const std::size_t own : {0U, 1U}) {
-        std::vector<Eigen::Vector3d> seen;
-        Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-        for (const std::size_t f : out_.frame) {
-          const Eigen::Vector3d direction = vector_of(cord.direction[f]);
-          const Eigen::Matrix3d turn = pose_of(sheet_.clips[clip].pose[f]).rotation;
-          seen.push_back(own == 1 ? Eigen::Vector3d(turn.transpose() * direction) : direction);
-          mean += seen.back();
-        }
-        mean /= static_cast<double>(seen.size());
-        for (const Eigen::Vector3d& direction : seen)
-          variation[own] += (direction - mean).squaredNorm();
-        means[own].push_back(mean);
-      }
-    }
-    constexpr double kNothing = 1e-12;
-    const bool turns = variation[1] + kNothing < 0.5 * variation[0];
-    std::vector<Eigen::Vector3d> directions;
-    for (Eigen::Vector3d direction : means[turns ? 1 : 0]) {
-      for (const Eigen::Vector3d& other : directions) direction -= other.dot(direction) * other;
-      constexpr double kAdds = 0.2;  // cords nearer to the span of others add nothing of their own
-      if (direction.norm() > kAdds) directions.push_back(direction.normalized());
-    }
-    return {directions, turns};
   }
 
   // ---- frames
@@ -319,6 +301,9 @@ class Making {
           capture_.branch[f] != capture_.branch[before])
         ++block;
       frame.block = block;
+      // a clock that starts again with a run says nothing of the time between both
+      if (i > 0 && !capture_.time_s.empty())
+        frame.duration_s = std::max(0.0, capture_.time_s[f] - capture_.time_s[before]);
       sequence().frames.push_back(std::move(frame));
     }
   }

@@ -17,14 +17,16 @@
 // Forces. The cords of a prescribed clip measure its force in the directions that they span: one
 // channel along the first cord, one along what the next one adds at right angles, and so on; or
 // along the directions that the options give. They turn with the clip where that fits the cords
-// better than staying in space. A channel's standard deviation is that of the cords' sum along it.
-// The cords of a free clip are loads, and its pose is only where frames start.
+// better than staying in space. A channel's standard deviation is that of the cords' sum along it,
+// its name that of the cord (of the clip, where the options give its direction; _2, _3 where
+// taken). The cords of a free clip are loads, and its pose is only where frames start.
 //
 // Points. Every vertex that is seen, lies in the simulated mesh and in no clip is compared by its
 // place in the material; `most_points` thins them evenly. In a frame where all nodes about a vertex
 // are held, its reading tells nothing of the material and is left out.
 //
-// Frames start from the measured positions (measured_state.h). A branch of a run is a block.
+// Frames start from the measured positions (measured_state.h). A branch of a run is a block. Their
+// durations are the capture's clock's, over frames that are left out too; zero without a clock.
 //
 // Pure; cost is linear in vertices x frames, beside one small sparse solve a frame.
 #pragma once

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <set>
 #include <string>
 
 #include "server/estimation/sequences/material/material_locator.h"
@@ -172,6 +173,11 @@ Expected<void> check_channels(const Sequence& sequence) {
   const Subject subject{sequence, locator};
   if (auto ok = check_all(subject, "point ", sequence.points); !ok) return ok;
   if (auto ok = check_all(subject, "force ", sequence.forces); !ok) return ok;
+  std::set<std::string> names;
+  for (const ForceChannel& force : sequence.forces)
+    if (!force.name.empty() && !names.insert(force.name).second)
+      return bad_input("two forces are called \"" + force.name + "\"");
+  if (!is_unit(sequence.camera_axis)) return bad_input("the camera's axis is not of length one");
   return check_all(subject, "scalar ", sequence.scalars);
 }
 

@@ -33,6 +33,7 @@ struct ForceChannel {
   /// The direction is of the clip and turns with it: of shear, only what is parallel to the clip
   /// counts (thesis 3.4.1). Of prescribed clips.
   bool turns_with_clip = false;
+  std::string name = {};  ///< what sensor corrections call it: unique in its sequence, or empty
 };
 
 /// Torque that the holders of clips bear about an axis, each clip with its factor: with +1 and -1
@@ -75,7 +76,7 @@ struct SequenceFrame {
   Eigen::VectorXd forces_N;                                ///< one a ForceChannel
   Eigen::VectorXd scalars;                                 ///< one a ScalarChannel: N m, m or m^2
   int block = 0;                                           ///< of this sequence, from 0
-  double duration_s = 0.0;  ///< since the frame before, for laws that know time
+  double duration_s = 0.0;  ///< since the frame before, for laws and sensors that know time
 };
 
 struct Sequence {
@@ -87,6 +88,8 @@ struct Sequence {
   mechanics::Loads loads;  ///< gravity and masses; cord forces come with the frames
   mechanics::State start;  ///< near the first frame; held nodes stay where it has them
   double weight = 1.0;     ///< of its part of the cost, beside what the fit's weighting gives it
+  /// Unit, from the sheet to what sees its points: what they are blurred with lies along it.
+  Eigen::Vector3d camera_axis = Eigen::Vector3d::UnitZ();
   std::vector<PointChannel> points;
   std::vector<ForceChannel> forces;
   std::vector<ScalarChannel> scalars;
@@ -95,7 +98,8 @@ struct Sequence {
 
 /// bad_input names the sequence and frame: sizes that do not fit, a sigma that is not positive, a
 /// direction not of unit length, a clip or boundary that is none, clips that differ from boundary
-/// to boundary, a point outside of the mesh, a weight that is negative or no number.
+/// to boundary, a point outside of the mesh, two forces of one name, a weight that is negative or
+/// no number.
 Expected<void> check(const Sequence& sequence);
 
 /// Puts what the frame prescribes into `state`: held nodes, poses of prescribed clips, and those of

@@ -29,23 +29,33 @@ void add(const SequenceCost& part, SequenceCost& sum) {
   sum.sensitivity_s += part.sensitivity_s;
 }
 
+/// Whether Jacobians are by a flat parameter.
+bool moves(Eigen::Index parameter, const SequenceOptions& options) {
+  return options.moving.empty() ||
+         std::find(options.moving.begin(), options.moving.end(), parameter) != options.moving.end();
+}
+
 }  // namespace
 
 Expected<SequenceEvaluator> SequenceEvaluator::make(const model::Model& model,
                                                     std::vector<Sequence> sequences,
                                                     const SequenceOptions& options) {
   if (sequences.empty()) return bad_input("there is no sequence to compare with");
-  if (!model.corrections.empty())
-    return bad_input("sensor corrections of sequences are not known yet");
   SequenceEvaluator result;
   result.options_ = options;
+  for (const Sequence& sequence : sequences)
+    if (auto ok = check(sequence); !ok) return tl::unexpected(ok.error());
+  auto sensors = SequenceSensors::make(model, sequences);
+  if (!sensors) return tl::unexpected(sensors.error());
+  result.sensors_ = std::move(*sensors);
+  result.parameter_count_ = result.sensors_.parameter_count();
   int first_block = 0;
   for (std::size_t s = 0; s < sequences.size(); ++s) {
     const Sequence& sequence = sequences[s];
-    if (auto ok = check(sequence); !ok) return tl::unexpected(ok.error());
     auto made = MeshModel::make(model, sequence.cloth);
     if (!made) return bad_input("sequence \"" + sequence.name + "\": " + made.error().message);
-    auto bound = std::make_shared<Bound>(Bound{std::move(*made), Observations(sequence), {}});
+    auto bound =
+        std::make_shared<Bound>(Bound{std::move(*made), Observations(sequence), {}, {}, {}, {}});
     for (const mechanics::Boundary& boundary : sequence.boundaries)
       if (auto solver = EquilibriumSolver::make(bound->model, boundary); !solver)
         return bad_input("sequence \"" + sequence.name + "\": " + solver.error().message);
@@ -63,7 +73,14 @@ Expected<SequenceEvaluator> SequenceEvaluator::make(const model::Model& model,
       }
     }
     first_block += blocks;
-    result.parameter_count_ = bound->model.parameter_count();
+    result.term_parameter_count_ = bound->model.parameter_count();
+    for (Eigen::Index p = 0; p < result.term_parameter_count_; ++p)
+      if (moves(p, options)) bound->terms.push_back(p);
+    for (const Eigen::Index p : result.sensors_.felt(s))
+      if (moves(p, options)) bound->rig.push_back(p);
+    bound->columns = bound->terms;
+    bound->columns.insert(bound->columns.end(), bound->rig.begin(), bound->rig.end());
+    result.readings_.emplace_back(sequence.frames.size());
     result.remembers_ = bound->model.history_count() > 0;
     result.bound_.push_back(std::move(bound));
     auto& works = result.frames_.emplace_back();
@@ -78,6 +95,7 @@ Expected<SequenceEvaluator> SequenceEvaluator::make(const model::Model& model,
   auto weights = row_weights(result.rows_, sequences, options.weighting);
   if (!weights) return tl::unexpected(weights.error());
   result.weights_ = std::move(*weights);
+  result.shown_.resize(static_cast<std::size_t>(std::max(1, options.threads)));
   result.sequences_ = std::move(sequences);
   result.solvers_.resize(static_cast<std::size_t>(std::max(1, options.threads)));
   for (auto& of_thread : result.solvers_)
@@ -103,10 +121,13 @@ PathStatus SequenceEvaluator::evaluate(const Eigen::VectorXd& parameters,
   }
   residuals.resize(row_count());
   if (jacobian) jacobian->setZero(row_count(), parameter_count_);
-  in_parallel(options_.threads, static_cast<int>(all_frames_.size()), [&](int, int k) {
-    const auto [s, f] = all_frames_[static_cast<std::size_t>(k)];
-    write_rows(s, f, residuals, jacobian);
-  });
+  if (!sensors_.is_empty())
+    write_as_shown(parameters, residuals, jacobian);
+  else
+    in_parallel(options_.threads, static_cast<int>(all_frames_.size()), [&](int, int k) {
+      const auto [s, f] = all_frames_[static_cast<std::size_t>(k)];
+      write_rows(s, f, residuals, jacobian);
+    });
   states_.resize(sequences_.size());
   for (std::size_t s = 0; s < sequences_.size(); ++s) {
     states_[s].resize(frames_[s].size());
@@ -119,7 +140,7 @@ PathStatus SequenceEvaluator::evaluate(const Eigen::VectorXd& parameters,
 
 PathStatus SequenceEvaluator::evaluate_gradient(const Eigen::VectorXd& parameters, double& cost,
                                                 Eigen::VectorXd& gradient) {
-  if (remembers_) {
+  if (remembers_ || !sensors_.is_empty()) {
     Eigen::VectorXd residuals;
     RowMatrix jacobian;
     const PathStatus status = evaluate(parameters, residuals, &jacobian);
@@ -142,6 +163,12 @@ PathStatus SequenceEvaluator::evaluate_gradient(const Eigen::VectorXd& parameter
 /// Brings every frame to rest in the slots of `last_`; false, and nothing is known, where one does
 /// not.
 bool SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, Derivative wanted) {
+  if (parameters.size() != parameter_count_) {
+    failure_ = "the model has " + std::to_string(parameter_count_) + " parameters, given are " +
+               std::to_string(parameters.size());
+    last_ = -1;
+    return false;
+  }
   for (const auto& works : frames_) {
     for (const auto& work : works) {
       work->failure.clear();
@@ -150,6 +177,7 @@ bool SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, Derivative 
   }
   const bool is_here = last_ >= 0 && parameters == last_parameters_;
   const int from = is_here ? last_ : base_;
+  term_parameters_ = parameters.head(term_parameter_count_);
   last_ = base_ < 0 ? 0 : 1 - base_;
   if (remembers_) {
     in_parallel(options_.threads, static_cast<int>(sequences_.size()), [&](int thread, int k) {
@@ -167,7 +195,7 @@ bool SequenceEvaluator::solve_all(const Eigen::VectorXd& parameters, Derivative 
       const auto [s, f] = all_frames_[static_cast<std::size_t>(k)];
       FrameWork& work = *frames_[s][f];
       State& state = work.slots[last_].state;
-      start_from(work, from, parameters, state);
+      start_from(work, from, bound_[s]->columns, parameters, state);
       SolveHow how{true, false, wanted, nullptr, gives_up};
       if (solve_frame(s, f, thread, parameters, how)) return;
       const auto& measured = sequences_[s].frames[f].start;
@@ -212,10 +240,14 @@ Expected<void> SequenceEvaluator::differentiate(std::size_t sequence, std::size_
                                                 Derivative wanted) {
   FrameWork::Slot& slot = frames_[sequence][frame]->slots[last_];
   if (wanted == Derivative::by_parameter) {
-    const auto* only = options_.moving.empty() ? nullptr : &options_.moving;
-    auto change = remembers_ ? sensitivity_along_path(solver, parameters, slot.state, only,
-                                                      slot.end_by_parameter)
-                             : sensitivity_by_parameter(solver, parameters, slot.state, only);
+    const Bound& bound = *bound_[sequence];
+    mechanics::OuterChange rig;
+    if (!bound.rig.empty())
+      rig = sensors_.outer_change(sequences_[sequence], sequence, frame, parameters, bound.rig);
+    auto change = remembers_ ? sensitivity_along_path(solver, term_parameters_, slot.state,
+                                                      &bound.terms, slot.end_by_parameter, &rig)
+                             : sensitivity_by_parameter(solver, term_parameters_, slot.state,
+                                                        &bound.terms, &rig);
     if (!change) return tl::unexpected(change.error());
     slot.by_parameter = std::move(*change);
     return {};
@@ -231,7 +263,7 @@ Expected<void> SequenceEvaluator::differentiate(std::size_t sequence, std::size_
     for (const Observation::ByNode& part : seen.by_gradient)
       by_gradient.segment<3>(3 * static_cast<Eigen::Index>(part.node)) += share * part.by;
   });
-  auto change = objective_by_parameter(solver, parameters, slot.state, by_x, by_gradient);
+  auto change = objective_by_parameter(solver, term_parameters_, slot.state, by_x, by_gradient);
   if (!change) return tl::unexpected(change.error());
   slot.cost_change = std::move(*change);
   return {};
@@ -269,6 +301,63 @@ void SequenceEvaluator::write_rows(std::size_t sequence, std::size_t frame,
       jacobian->row(row) = change / sigma;
     else
       jacobian->row(row)(options_.moving) = change / sigma;
+  });
+}
+
+/// What a frame shows on all channels, before any instrument.
+void SequenceEvaluator::read_channels(std::size_t sequence, std::size_t frame, bool sensitivities) {
+  const Sequence& measured = sequences_[sequence];
+  const Bound& bound = *bound_[sequence];
+  const FrameWork::Slot& slot = frames_[sequence][frame]->slots[last_];
+  const auto boundary = static_cast<std::size_t>(measured.frames[frame].boundary);
+  Readings& readings = readings_[sequence][frame];
+  const int channels = bound.channels.count();
+  readings.value.resize(channels);
+  if (sensitivities) readings.by_p.setZero(channels, parameter_count_);
+  Observation seen;
+  Eigen::RowVectorXd change;
+  for (int c = 0; c < channels; ++c) {
+    bound.channels.observe(measured, c, {measured.boundaries[boundary], slot.state, slot.by_node},
+                           seen);
+    readings.value[c] = seen.value;
+    if (!sensitivities) continue;
+    change_of(seen, slot.by_parameter, change);
+    readings.by_p.row(c)(bound.columns) = change;
+  }
+}
+
+void SequenceEvaluator::write_shown(std::size_t sequence, std::size_t frame, const Readings& shown,
+                                    Eigen::VectorXd& residuals, RowMatrix* jacobian) const {
+  const Sequence& measured = sequences_[sequence];
+  const Bound& bound = *bound_[sequence];
+  for (int c = 0; c < bound.channels.count(); ++c) {
+    const int row = bound.row_of[frame][static_cast<std::size_t>(c)];
+    if (row < 0) continue;
+    const double sigma = bound.channels.sigma(measured, c);
+    residuals[row] = (shown.value[c] - bound.channels.measured(measured.frames[frame], c)) / sigma;
+    if (!jacobian) continue;
+    if (options_.moving.empty())
+      jacobian->row(row) = shown.by_p.row(c) / sigma;
+    else
+      jacobian->row(row)(options_.moving) = shown.by_p.row(c)(options_.moving) / sigma;
+  }
+}
+
+/// Residuals of a model with sensor corrections: a clock that runs apart shows a frame what others
+/// predict, so that all are predicted before any is shown.
+void SequenceEvaluator::write_as_shown(const Eigen::VectorXd& parameters,
+                                       Eigen::VectorXd& residuals, RowMatrix* jacobian) {
+  const bool sensitivities = jacobian != nullptr;
+  const auto frames = static_cast<int>(all_frames_.size());
+  in_parallel(options_.threads, frames, [&](int, int k) {
+    const auto [s, f] = all_frames_[static_cast<std::size_t>(k)];
+    read_channels(s, f, sensitivities);
+  });
+  in_parallel(options_.threads, frames, [&](int thread, int k) {
+    const auto [s, f] = all_frames_[static_cast<std::size_t>(k)];
+    Readings& shown = shown_[static_cast<std::size_t>(thread)];
+    sensors_.show(sequences_[s], s, f, readings_[s], parameters, sensitivities, shown);
+    write_shown(s, f, shown, residuals, jacobian);
   });
 }
 

@@ -15,6 +15,9 @@
 // elasticity and friction are fitted together. While a fit is stepping (Accuracy::stepping) a frame
 // costs about one factorisation, which serves the sensitivities too.
 //
+// A model's sensor corrections (sensors/sequence_sensors.h) come last among the parameters: what is
+// compared is what the instruments would have shown.
+//
 //   auto evaluator = SequenceEvaluator::make(model, sequences, {.threads = 2});
 //   FitResult result = fit(*evaluator, model, options);
 #pragma once
@@ -26,6 +29,7 @@
 #include "common/base/error.h"
 #include "common/model/model.h"
 #include "server/estimation/residual_function.h"
+#include "server/estimation/sequences/sensors/sequence_sensors.h"
 #include "server/estimation/sequences/sequence.h"
 #include "server/estimation/sequences/weighting.h"
 #include "server/mechanics/equilibrium/equilibrium.h"
@@ -78,7 +82,7 @@ struct SequenceCost {
 class SequenceEvaluator final : public ResidualFunction {
  public:
   /// bad_input as check(Sequence), MeshModel::make and EquilibriumSolver::make, with the name of
-  /// the sequence; also for a model with sensor corrections, which sequences do not have yet.
+  /// the sequence, and as SequenceSensors::make.
   static Expected<SequenceEvaluator> make(const model::Model& model,
                                           std::vector<Sequence> sequences,
                                           const SequenceOptions& options = {});
@@ -90,8 +94,8 @@ class SequenceEvaluator final : public ResidualFunction {
                                                Eigen::VectorXd& residuals,
                                                RowMatrix* jacobian) override;
   /// The cost, sum of weight r^2, and its gradient by the adjoint: one solve a frame however many
-  /// parameters there are (of a model that remembers: by its Jacobian). For many of them; fit()
-  /// uses the Jacobian.
+  /// parameters there are (of a model that remembers or has sensor corrections: by its Jacobian).
+  /// For many of them; fit() uses the Jacobian.
   [[nodiscard]] mechanics::PathStatus evaluate_gradient(const Eigen::VectorXd& parameters,
                                                         double& cost, Eigen::VectorXd& gradient);
   void set_accuracy(Accuracy accuracy) override { accuracy_ = accuracy; }
@@ -126,8 +130,8 @@ class SequenceEvaluator final : public ResidualFunction {
   void walk(const Run& run, int thread, const Eigen::VectorXd& parameters, Derivative wanted);
   void walk_remembering(std::size_t sequence, int from, int thread,
                         const Eigen::VectorXd& parameters, Derivative wanted);
-  void start_from(const FrameWork& work, int from, const Eigen::VectorXd& parameters,
-                  mechanics::State& state) const;
+  void start_from(const FrameWork& work, int from, const std::vector<Eigen::Index>& columns,
+                  const Eigen::VectorXd& parameters, mechanics::State& state) const;
   bool solve_frame(std::size_t sequence, std::size_t frame, int thread,
                    const Eigen::VectorXd& parameters, const SolveHow& how);
   Expected<void> differentiate(std::size_t sequence, std::size_t frame,
@@ -138,9 +142,18 @@ class SequenceEvaluator final : public ResidualFunction {
   void each_row(std::size_t sequence, std::size_t frame, const Visit& visit) const;
   void write_rows(std::size_t sequence, std::size_t frame, Eigen::VectorXd& residuals,
                   RowMatrix* jacobian) const;
+  void read_channels(std::size_t sequence, std::size_t frame, bool sensitivities);
+  void write_shown(std::size_t sequence, std::size_t frame, const Readings& shown,
+                   Eigen::VectorXd& residuals, RowMatrix* jacobian) const;
+  void write_as_shown(const Eigen::VectorXd& parameters, Eigen::VectorXd& residuals,
+                      RowMatrix* jacobian);
 
   SequenceOptions options_;
   std::vector<Sequence> sequences_;
+  SequenceSensors sensors_;
+  std::vector<std::vector<Readings>> readings_;  ///< [sequence][frame], as predicted
+  std::vector<Readings> shown_;                  ///< [thread]
+  Eigen::VectorXd term_parameters_;              ///< of the evaluation that is under way
   std::vector<std::shared_ptr<const Bound>> bound_;
   std::vector<std::vector<std::shared_ptr<FrameWork>>> frames_;
   std::vector<std::pair<std::size_t, std::size_t>> all_frames_;
@@ -153,6 +166,7 @@ class SequenceEvaluator final : public ResidualFunction {
   std::string failure_;
   SequenceCost cost_;
   int parameter_count_ = 0;
+  int term_parameter_count_ = 0;
   bool remembers_ = false;  ///< the model
   Accuracy accuracy_ = Accuracy::exact;
 

@@ -11,6 +11,18 @@ using mechanics::EquilibriumOptions;
 using mechanics::EquilibriumSolver;
 using mechanics::State;
 
+namespace {
+
+/// Prescribed clips where they were measured: what slipped out of them moved, they did not.
+void put_back(const Sequence& sequence, std::size_t frame,
+              const std::vector<mechanics::Pose>& clips, State& state) {
+  const auto boundary = static_cast<std::size_t>(sequence.frames[frame].boundary);
+  for (std::size_t c = 0; c < clips.size(); ++c)
+    if (!sequence.boundaries[boundary].clips[c].is_free) state.clips[c] = clips[c];
+}
+
+}  // namespace
+
 EquilibriumSolver& SequenceEvaluator::solver_of(int thread, std::size_t sequence,
                                                 std::size_t frame) {
   const Sequence& of = sequences_[sequence];
@@ -48,6 +60,8 @@ bool SequenceEvaluator::solve_frame(std::size_t sequence, std::size_t frame, int
   mechanics::Loads loads = measured.loads;
   loads.cord_force_N = measured.frames[frame].cord_force_N;
   prescribe(measured, frame, !how.is_near, slot.state);
+  const std::vector<mechanics::Pose> clips = slot.state.clips;
+  sensors_.act(measured, sequence, frame, parameters, loads, slot.state.clips);
   EquilibriumOptions options;
   options.tolerance_N = options_.tolerance_N;
   if (accuracy_ == Accuracy::stepping) {
@@ -61,7 +75,8 @@ bool SequenceEvaluator::solve_frame(std::size_t sequence, std::size_t frame, int
   options.predict = how.may_predict;
   const auto now = [this] { return options_.clock ? options_.clock() : 0.0; };
   const double began = now();
-  auto solved = solver.solve(parameters, loads, slot.state, options, how.history);
+  auto solved = solver.solve(term_parameters_, loads, slot.state, options, how.history);
+  put_back(measured, frame, clips, slot.state);
   const double rested = now();
   ++work.cost.equilibria;
   work.cost.equilibrium_s += rested - began;
@@ -86,12 +101,12 @@ bool SequenceEvaluator::solve_frame(std::size_t sequence, std::size_t frame, int
 /// Where the last Jacobian was taken, moved by dx/dp; the last evaluation, where parameters are its
 /// own.
 void SequenceEvaluator::start_from(const FrameWork& work, int from,
+                                   const std::vector<Eigen::Index>& columns,
                                    const Eigen::VectorXd& parameters, State& state) const {
   if (from != last_) state = work.slots[from].state;
   if (from != base_ || parameters == base_parameters_) return;
   const Eigen::VectorXd step = parameters - base_parameters_;
-  const Eigen::MatrixXd& by_parameter = work.slots[base_].by_parameter.x;
-  state.x += by_parameter * (options_.moving.empty() ? step : step(options_.moving).eval());
+  state.x += work.slots[base_].by_parameter.x * step(columns).eval();
 }
 
 /// A sequence of a model that remembers: its frames in order, each from the history of those
@@ -100,9 +115,7 @@ void SequenceEvaluator::walk_remembering(std::size_t s, int from, int thread,
                                          const Eigen::VectorXd& parameters, Derivative wanted) {
   const Sequence& sequence = sequences_[s];
   const mechanics::MeshModel& model = bound_[s]->model;
-  const auto columns =
-      static_cast<Eigen::Index>(options_.moving.empty() ? static_cast<std::size_t>(parameter_count_)
-                                                        : options_.moving.size());
+  const auto columns = static_cast<Eigen::Index>(bound_[s]->columns.size());
   const FrameWork::Slot* before = nullptr;
   for (std::size_t f = 0; f < sequence.frames.size(); ++f) {
     FrameWork& work = *frames_[s][f];
@@ -110,7 +123,7 @@ void SequenceEvaluator::walk_remembering(std::size_t s, int from, int thread,
     const auto& measured = sequence.frames[f].start;
     const State& near = before ? before->state : measured ? *measured : sequence.start;
     if (from >= 0)
-      start_from(work, from, parameters, slot.state);
+      start_from(work, from, bound_[s]->columns, parameters, slot.state);
     else
       slot.state = near;
     if (before)
@@ -136,7 +149,7 @@ void SequenceEvaluator::walk_remembering(std::size_t s, int from, int thread,
       is_solved = solve(false, false);
     }
     if (!is_solved) return;
-    if (model.end_of_step(slot.state.x, parameters, slot.start, slot.end) !=
+    if (model.end_of_step(slot.state.x, term_parameters_, slot.start, slot.end) !=
         mechanics::AssemblyStatus::ok) {
       work.failure = "what the material remembers of its path are no numbers";
       return;

@@ -15,6 +15,11 @@ struct SequenceEvaluator::Bound {
   mechanics::MeshModel model;
   Observations channels;
   std::vector<std::vector<int>> row_of;  ///< [frame][channel]; -1: not measured
+  /// Flat parameters that move its equilibria and that Jacobians are by: the terms', then the
+  /// rig's.
+  std::vector<Eigen::Index> columns;
+  std::vector<Eigen::Index> terms;  ///< their own part
+  std::vector<Eigen::Index> rig;
 };
 
 struct SequenceEvaluator::FrameWork {

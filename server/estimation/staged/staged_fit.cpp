@@ -278,6 +278,7 @@ Expected<StagedResult> staged_fit(model::Model model, const std::vector<RoleSequ
     return s.role != Role::evaluation;
   });
   if (!has_data) return bad_input("there is no sequence to fit to");
+  if (auto ok = without_corrections(model); !ok) return tl::unexpected(ok.error());
   const std::vector<Wave> waves = plan_stages(model, measured, options);
   StagedFit fit(std::move(model), measured, options);
   if (options.stage.first_guess)

@@ -211,6 +211,7 @@ Expected<void> run_sheet_fit(const JobInput& input, const json& spec,
   SheetFindings found;
   auto start = model::parse_model(spec.at("model").dump(), "model");
   if (!start) return tl::unexpected(start.error());
+  if (auto ok = estimation::without_corrections(*start); !ok) return ok;
   found.start = std::move(*start);
   std::vector<std::string> ids;
   ids.reserve(captures.size());

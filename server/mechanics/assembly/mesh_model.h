@@ -105,7 +105,7 @@ class MeshModel {
                                                        const Eigen::MatrixXd& change,
                                                        Eigen::MatrixXd& result) const;
   /// From dh at the start of the step to dh at its end, in place: `x_change` is dx, and column c is
-  /// of the parameter columns[c].
+  /// of the parameter columns[c], or of none where that is negative.
   [[nodiscard]] AssemblyStatus carry_history_change(const Eigen::VectorXd& x,
                                                     const Eigen::VectorXd& parameters,
                                                     const History& history,

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -136,27 +137,49 @@ bool gradient_by_parameter(const EquilibriumSolver& solver, const Eigen::VectorX
                                               solver.history()) == AssemblyStatus::ok;
 }
 
-/// `history_change`: what the parameters do to the start of the step; null: nothing.
-Expected<Sensitivity> by_parameter(EquilibriumSolver& solver, const Eigen::VectorXd& parameters,
-                                   const State& state, const std::vector<Eigen::Index>* only,
-                                   const Eigen::MatrixXd* history_change) {
+/// By some parameters, then by what is outside. `history_change`: what both do to the start of the
+/// step; null: nothing.
+Expected<Sensitivity> by_all(EquilibriumSolver& solver, const Eigen::VectorXd& parameters,
+                             const State& state, const std::vector<Eigen::Index>& columns,
+                             const OuterChange& outer, const Eigen::MatrixXd* history_change) {
   auto compliance = Compliance::at(solver, parameters, state);
   if (!compliance) return tl::unexpected(compliance.error());
-  Eigen::MatrixXd partial;
-  if (!gradient_by_parameter(solver, parameters, state, partial))
-    return fail(ErrorKind::refused, "a derivative by a parameter is not finite");
-  Eigen::MatrixXd limits_change = -compliance->limits_by_parameter();
-  if (only) {
-    partial = partial(Eigen::indexing::all, *only).eval();
-    limits_change = limits_change.size() > 0
-                        ? limits_change(Eigen::indexing::all, *only).eval()
-                        : Eigen::MatrixXd::Zero(limits_change.rows(), partial.cols()).eval();
+  const auto own = static_cast<Eigen::Index>(columns.size());
+  const Eigen::Index limits = compliance->limits_by_parameter().rows();
+  Eigen::MatrixXd partial = Eigen::MatrixXd::Zero(state.x.size(), own + outer.count());
+  Eigen::MatrixXd limits_change = Eigen::MatrixXd::Zero(limits, own + outer.count());
+  if (partial.cols() == 0) return Sensitivity{partial, partial};
+  if (own > 0) {
+    Eigen::MatrixXd by_parameter;
+    if (!gradient_by_parameter(solver, parameters, state, by_parameter))
+      return fail(ErrorKind::refused, "a derivative by a parameter is not finite");
+    partial.leftCols(own) = by_parameter(Eigen::indexing::all, columns);
+    if (limits > 0)
+      limits_change.leftCols(own) =
+          -compliance->limits_by_parameter()(Eigen::indexing::all, columns);
   }
+  if (outer.load_N.cols() > 0) partial.rightCols(outer.count()) = outer.load_N;
+  for (Eigen::Index k = 0; k < outer.held_m.cols(); ++k)
+    solver.node_stiffness().multiply_add(outer.held_m.col(k).data(), partial.col(own + k).data());
+  if (outer.held_m.cols() > 0)
+    limits_change.rightCols(outer.count()) -=
+        compliance->limit_normals().transpose() * outer.held_m;
   if (history_change &&
       solver.model().add_gradient_by_history(state.x, parameters, *solver.history(),
                                              *history_change, partial) != AssemblyStatus::ok)
     return fail(ErrorKind::refused, "a derivative by the history is not finite");
-  return answer(solver, *compliance, partial, limits_change);
+  Sensitivity result = answer(solver, *compliance, partial, limits_change);
+  if (outer.held_m.cols() > 0) result.x.rightCols(outer.count()) += outer.held_m;
+  return result;
+}
+
+/// Of every parameter, or of some.
+std::vector<Eigen::Index> columns_of(const MeshModel& model,
+                                     const std::vector<Eigen::Index>* only) {
+  if (only) return *only;
+  std::vector<Eigen::Index> columns(static_cast<std::size_t>(model.parameter_count()));
+  std::iota(columns.begin(), columns.end(), Eigen::Index{0});
+  return columns;
 }
 
 }  // namespace
@@ -164,28 +187,31 @@ Expected<Sensitivity> by_parameter(EquilibriumSolver& solver, const Eigen::Vecto
 Expected<Sensitivity> sensitivity_by_parameter(EquilibriumSolver& solver,
                                                const Eigen::VectorXd& parameters,
                                                const State& state,
-                                               const std::vector<Eigen::Index>* only) {
-  return by_parameter(solver, parameters, state, only, nullptr);
+                                               const std::vector<Eigen::Index>* only,
+                                               const OuterChange* outer) {
+  return by_all(solver, parameters, state, columns_of(solver.model(), only),
+                outer ? *outer : OuterChange{}, nullptr);
 }
 
 Expected<Sensitivity> sensitivity_along_path(EquilibriumSolver& solver,
                                              const Eigen::VectorXd& parameters, const State& state,
                                              const std::vector<Eigen::Index>* only,
-                                             Eigen::MatrixXd& history_change) {
+                                             Eigen::MatrixXd& history_change,
+                                             const OuterChange* outer) {
   const MeshModel& model = solver.model();
-  std::vector<Eigen::Index> columns;
-  if (only) columns = *only;
-  for (Eigen::Index p = 0; !only && p < model.parameter_count(); ++p) columns.push_back(p);
+  std::vector<Eigen::Index> columns = columns_of(model, only);
+  const OuterChange others = outer ? *outer : OuterChange{};
+  const Eigen::Index count = static_cast<Eigen::Index>(columns.size()) + others.count();
   if (!solver.history())
     return fail(ErrorKind::refused, "the last state was solved for without a history");
-  if (history_change.rows() != model.history_count() ||
-      history_change.cols() != static_cast<Eigen::Index>(columns.size()))
+  if (history_change.rows() != model.history_count() || history_change.cols() != count)
     return bad_input("the change of the history has " + std::to_string(history_change.rows()) +
                      " rows and " + std::to_string(history_change.cols()) + " columns instead of " +
-                     std::to_string(model.history_count()) + " and " +
-                     std::to_string(columns.size()));
-  auto result = by_parameter(solver, parameters, state, only, &history_change);
+                     std::to_string(model.history_count()) + " and " + std::to_string(count));
+  auto result = by_all(solver, parameters, state, columns, others, &history_change);
   if (!result) return result;
+  constexpr Eigen::Index kNoParameter = -1;
+  columns.resize(static_cast<std::size_t>(count), kNoParameter);
   if (model.carry_history_change(state.x, parameters, *solver.history(), result->x, columns,
                                  history_change) != AssemblyStatus::ok)
     return fail(ErrorKind::refused, "a derivative of the history is not finite");
@@ -214,15 +240,13 @@ Expected<Sensitivity> sensitivity_by_displacement(EquilibriumSolver& solver,
                                                   const Eigen::VectorXd& parameters,
                                                   const State& state,
                                                   const Eigen::MatrixXd& held_m) {
-  auto compliance = Compliance::at(solver, parameters, state);
-  if (!compliance) return tl::unexpected(compliance.error());
-  Eigen::MatrixXd partial = Eigen::MatrixXd::Zero(held_m.rows(), held_m.cols());
-  for (Eigen::Index k = 0; k < held_m.cols(); ++k)
-    solver.node_stiffness().multiply_add(held_m.col(k).data(), partial.col(k).data());
-  Sensitivity result =
-      answer(solver, *compliance, partial, -compliance->limit_normals().transpose() * held_m);
-  result.x += held_m;
-  return result;
+  return by_all(solver, parameters, state, {}, {.load_N = {}, .held_m = held_m}, nullptr);
+}
+
+Expected<Sensitivity> sensitivity_by_load(EquilibriumSolver& solver,
+                                          const Eigen::VectorXd& parameters, const State& state,
+                                          const Eigen::MatrixXd& load_N) {
+  return by_all(solver, parameters, state, {}, {.load_N = load_N, .held_m = {}}, nullptr);
 }
 
 Wrench reaction_change(const Clip& clip, const Eigen::VectorXd& x, const Eigen::VectorXd& gradient,

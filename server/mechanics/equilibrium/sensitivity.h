@@ -6,6 +6,7 @@
 //   G(x, p) = dPi/dx over all nodes             dG/dp = dG/dx dx/dp + the partial one
 //
 //   auto change = sensitivity_by_parameter(solver, parameters, state);   // columns: parameters
+//   auto heavier = sensitivity_by_load(solver, parameters, state, minus_weight_N);
 //   Wrench w = reaction_change(clip, state.x, result.by_node, *change, column, about);
 //   auto gradient = objective_by_parameter(solver, parameters, state, by_x, by_gradient);  //
 //   adjoint
@@ -30,6 +31,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -38,17 +40,27 @@
 
 namespace tenter::mechanics {
 
+/// What moves an equilibrium besides parameters, column by column, 3 numbers a node. A matrix
+/// without columns is none; where both have some, a column is one cause of both.
+struct OuterChange {
+  Eigen::MatrixXd load_N;  ///< of G at fixed positions: minus the change of the forces on nodes
+  Eigen::MatrixXd held_m;  ///< displacements of held nodes and those in prescribed clips, else zero
+
+  Eigen::Index count() const { return std::max(load_N.cols(), held_m.cols()); }
+};
+
 struct Sensitivity {
   Eigen::MatrixXd x;         ///< (3 nodes) x columns: dx, m per unit of the column's cause
   Eigen::MatrixXd gradient;  ///< the same size: dG, N per unit; zero where nodes are free
 };
 
-/// By every parameter of the model; or, where `only` is given, by those alone: one column each. A
-/// history stays as it is.
+/// By every parameter of the model; or, where `only` is given, by those alone: one column each.
+/// Then one a column of `outer`, with the same factor. A history stays as it is.
 Expected<Sensitivity> sensitivity_by_parameter(EquilibriumSolver& solver,
                                                const Eigen::VectorXd& parameters,
                                                const State& state,
-                                               const std::vector<Eigen::Index>* only = nullptr);
+                                               const std::vector<Eigen::Index>* only = nullptr,
+                                               const OuterChange* outer = nullptr);
 
 /// The same through the whole path. `history_change`: dh/dp, history_count() rows and a column for
 /// each of the result's, of the history that was passed to the solver; afterwards dH/dp.
@@ -56,7 +68,8 @@ Expected<Sensitivity> sensitivity_by_parameter(EquilibriumSolver& solver,
 Expected<Sensitivity> sensitivity_along_path(EquilibriumSolver& solver,
                                              const Eigen::VectorXd& parameters, const State& state,
                                              const std::vector<Eigen::Index>* only,
-                                             Eigen::MatrixXd& history_change);
+                                             Eigen::MatrixXd& history_change,
+                                             const OuterChange* outer = nullptr);
 
 /// By psi_max of an energy limit, one column: the density of its elements at the limit moves with
 /// psi_max. Zero where none is there, or the model has no limit of this id.
@@ -70,6 +83,12 @@ Expected<Sensitivity> sensitivity_by_displacement(EquilibriumSolver& solver,
                                                   const Eigen::VectorXd& parameters,
                                                   const State& state,
                                                   const Eigen::MatrixXd& held_m);
+
+/// By forces from outside: each column is what they add to G (N per unit), minus the forces
+/// themselves. Of the weight of nodes by a factor on their masses: -m g.
+Expected<Sensitivity> sensitivity_by_load(EquilibriumSolver& solver,
+                                          const Eigen::VectorXd& parameters, const State& state,
+                                          const Eigen::MatrixXd& load_N);
 
 /// Change of reaction() with one column; `about_m` stays.
 Wrench reaction_change(const Clip& clip, const Eigen::VectorXd& x, const Eigen::VectorXd& gradient,

@@ -130,7 +130,7 @@ bool are_alike(const std::vector<double>& lines) {
 mechanics::Pose pose_of(const capture::RigidPose& pose) {
   const auto& [w, x, y, z] = pose.rotation;
   return {Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix(),
-          {pose.position_m[0], pose.position_m[1], pose.position_m[2]}};
+          vector_of(pose.position_m)};
 }
 
 Expected<mechanics::Cloth> cloth_of(const Sheet& sheet, const FromCaptureOptions& options,

@@ -13,6 +13,9 @@
 
 namespace tenter::estimation {
 
+inline Eigen::Vector3d vector_of(const capture::Vec3& v) {
+  return {v[0], v[1], v[2]};
+}
 mechanics::Pose pose_of(const capture::RigidPose& pose);
 
 /// The grid or the capture's own mesh, as cloth; a graded grid for these frames of the capture.

@@ -66,6 +66,7 @@ Expected<std::vector<StartOutcome>> multi_start(const model::Model& model,
                                                 const std::vector<Sequence>& sequences,
                                                 const std::vector<Eigen::VectorXd>& starts,
                                                 const MultiStartOptions& options) {
+  if (auto ok = without_corrections(model); !ok) return tl::unexpected(ok.error());
   SequenceOptions evaluating;
   evaluating.tolerance_N = options.tolerance_N;
   evaluating.weighting = options.weighting;

@@ -235,6 +235,9 @@ TEST(FromCapture, ForcesAlongDirectionsThatAreAskedFor) {
     EXPECT_GT(values[1], 0.1 * tension);
   }
   EXPECT_TRUE(captured->sequence.forces[1].turns_with_clip);
+  EXPECT_EQ(own.sequence.forces[0].name, sheet.cords[0].id);
+  EXPECT_EQ(captured->sequence.forces[0].name, "moved");
+  EXPECT_EQ(captured->sequence.forces[1].name, "moved_2");
   EXPECT_NEAR(captured->sequence.forces[0].sigma_N, 0.6 * 0.002, 1e-12);
   // two cords, which turn with the clip: their plane, in the clip's frame
   capture::CordTrack other = sheet.cords[0];
@@ -260,6 +263,27 @@ TEST(FromCapture, ForcesAlongDirectionsThatAreAskedFor) {
   EXPECT_EQ(sequence_from_capture(capture, options).error().message,
             "square: a force is asked for of clip \"third\", which is not there, or along no "
             "direction");
+}
+
+TEST(FromCapture, FramesLastAsLongAsTheClockSays) {
+  Capture capture = pulled_square();
+  FromCaptureOptions options = same_grid();
+  const auto durations = [&] {
+    std::vector<double> all;
+    for (const SequenceFrame& frame : sequence_from_capture(capture, options)->sequence.frames)
+      all.push_back(frame.duration_s);
+    return all;
+  };
+  EXPECT_EQ(durations(), (std::vector<double>{0.0, 0.0, 0.0, 0.0}));
+  capture.time_s = {10.0, 11.5, 14.0, 14.25};
+  EXPECT_EQ(durations(), (std::vector<double>{0.0, 1.5, 2.5, 0.25}));
+  options.frames = {0, 2, 3};
+  EXPECT_EQ(durations(), (std::vector<double>{0.0, 4.0, 0.25}));
+  options.frames = {};
+  capture.runs.push_back({2, ""});
+  capture.run = {0, 0, 1, 1};
+  capture.time_s = {10.0, 11.5, 0.0, 3.0};
+  EXPECT_EQ(durations(), (std::vector<double>{0.0, 1.5, 0.0, 3.0}));
 }
 
 TEST(FromCapture, AFreeClipMovesUnderItsCords) {

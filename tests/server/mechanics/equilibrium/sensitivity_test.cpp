@@ -187,6 +187,52 @@ TEST(Sensitivity, ByDisplacementOfWhatIsHeld) {
   }
 }
 
+/// A factor on the weight of the sheet, of which a part hangs in a free clip, and columns of
+/// parameters and of outer changes together.
+TEST(Sensitivity, ByLoad) {
+  ClothBetween setup;
+  setup.add_clip("held", 0);
+  setup.add_clip("free", 8);
+  Clip& free = setup.boundary.clips[1];
+  free.is_free = true;
+  free.mass_kg = 0.02;
+  free.cord_place_m = {{-0.04, 0.01, 0.0}, {0.045, 0.01, 0.0}};
+  setup.loads.cord_force_N = {{}, {{-0.05, 0.8, 0.05}, {0.1, 0.9, 0.0}}};
+  auto solver = EquilibriumSolver::make(setup.model, setup.boundary).value();
+  const Solved at = solve(solver, setup, setup.parameters, setup.start, to_rounding());
+  OuterChange outer;
+  outer.load_N.resize(at.state.x.size(), 1);
+  for (Eigen::Index i = 0; i < setup.loads.node_mass_kg.size(); ++i)
+    outer.load_N.col(0).segment<3>(3 * i) = -setup.loads.node_mass_kg[i] * setup.loads.gravity_m_s2;
+  const auto change = sensitivity_by_load(solver, setup.parameters, at.state, outer.load_N);
+  ASSERT_TRUE(change) << change.error().message;
+  const std::vector<Eigen::Index> some = {2, 0};
+  const auto all = sensitivity_by_parameter(solver, setup.parameters, at.state);
+  const auto both = sensitivity_by_parameter(solver, setup.parameters, at.state, &some, &outer);
+  ASSERT_TRUE(all && both);
+  ASSERT_EQ(both->x.cols(), 3);
+  EXPECT_LT((both->x.col(0) - all->x.col(2)).norm(), 1e-12 * all->x.col(2).norm());
+  EXPECT_LT((both->x.col(2) - change->x.col(0)).norm(), 1e-12 * change->x.col(0).norm());
+  EXPECT_LT((both->gradient.col(2) - change->gradient.col(0)).norm(),
+            1e-12 * change->gradient.col(0).norm());
+
+  const double h = 1e-4;
+  const Eigen::VectorXd masses = setup.loads.node_mass_kg;
+  setup.loads.node_mass_kg = (1.0 + h) * masses;
+  const Solved high = solve(solver, setup, setup.parameters, at.state, near(to_rounding()));
+  setup.loads.node_mass_kg = (1.0 - h) * masses;
+  const Solved low = solve(solver, setup, setup.parameters, at.state, near(to_rounding()));
+  const Eigen::VectorXd dx = (high.state.x - low.state.x) / (2.0 * h);
+  EXPECT_GT(dx.norm(), 1e-4);
+  EXPECT_LT((change->x.col(0) - dx).norm(), 1e-5 * dx.norm());
+  for (const int node : setup.boundary.clips[0].nodes) {
+    const Eigen::Vector3d df =
+        (high.result.by_node - low.result.by_node).segment<3>(3 * node) / (2.0 * h);
+    EXPECT_GT(df.norm(), 1e-5);
+    EXPECT_LT((change->gradient.col(0).segment<3>(3 * node) - df).norm(), 1e-5 * df.norm());
+  }
+}
+
 /// After a small change of parameters one factorisation serves the solve and its derivatives, which
 /// are off by what the stiffness changed on the way.
 TEST(Sensitivity, OneFactorServesASolveAndItsDerivatives) {

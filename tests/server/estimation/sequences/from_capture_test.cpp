@@ -269,9 +269,9 @@ TEST(FromCapture, FramesLastAsLongAsTheClockSays) {
   Capture capture = pulled_square();
   FromCaptureOptions options = same_grid();
   const auto durations = [&] {
+    const CapturedSequence captured = sequence_from_capture(capture, options).value();
     std::vector<double> all;
-    for (const SequenceFrame& frame : sequence_from_capture(capture, options)->sequence.frames)
-      all.push_back(frame.duration_s);
+    for (const SequenceFrame& frame : captured.sequence.frames) all.push_back(frame.duration_s);
     return all;
   };
   EXPECT_EQ(durations(), (std::vector<double>{0.0, 0.0, 0.0, 0.0}));

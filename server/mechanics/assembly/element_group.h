@@ -58,21 +58,30 @@ class ElementGroup final : public MeshModel::Group {
   AssemblyStatus add(const double* x, const double* parameters, const ModelOutput& output,
                      const EnergyLimitState* state, const History* history) const override {
     const bool wants_forces = output.gradient || output.stiffness;
+    const bool is_ahead = history && history->is_ahead;
     Chunk chunk;
     for (int first = 0; first < elements_.count(); first += kChunk) {
       const int count = std::min(kChunk, elements_.count() - first);
       double psi_z[Z * kChunk] = {};
       double psi_zz[c_entries(Z) * kChunk] = {};
+      double excess_z[Z * kChunk];
+      if (is_ahead) std::fill_n(excess_z, Z * kChunk, 0.0);
       if (!see(elements_, x, first, count, chunk.z)) return AssemblyStatus::inverted;
       for (const GroupTerm& term : terms) {
         LawBatch batch = chunk.batch(count, output.energy != nullptr, output.stiffness != nullptr);
         term.start_from(history, first, batch);
         term.strain->strains(chunk.z, first, count, chunk.strain);
-        if (history && history->is_ahead && term.law->turns_round())
-          term.evaluate_ahead(parameters, *history, first, batch);
-        else
-          term.law->evaluate_batch(parameters + term.first_parameter, batch);
         const double* measure = term.measure.data() + first;
+        if (is_ahead && term.law->turns_round()) {
+          double beyond[kMaxStrains * kChunk];
+          term.evaluate_ahead(parameters, *history, first, batch, beyond);
+          LawBatch excess = batch;
+          for (int i = 0; i < kMaxStrains; ++i) excess.stress[i] = beyond + i * kChunk;
+          if (output.stiffness)
+            term.strain->chain(chunk.z, first, excess, measure, excess_z, nullptr);
+        } else {
+          term.law->evaluate_batch(parameters + term.first_parameter, batch);
+        }
         if (output.energy)
           for (int e = 0; e < count; ++e) *output.energy += measure[e] * chunk.energy[e];
         if (wants_forces)
@@ -84,6 +93,9 @@ class ElementGroup final : public MeshModel::Group {
           add_limit(limit, *state, parameters, chunk, first, count, output.energy,
                     wants_forces ? psi_z : nullptr, output.stiffness ? psi_zz : nullptr);
       if (output.gradient) add_gradient(elements_, x, first, count, psi_z, output.gradient->data());
+      // stresses beyond those ahead are of strains that the guess is off by: they hold nothing up
+      if (is_ahead)
+        for (int k = 0; k < Z * kChunk; ++k) psi_z[k] -= excess_z[k];
       if (output.stiffness && output.positive_share > 0.0)
         take_positive_part(elements_, count, output.positive_share, psi_z, psi_zz);
       if (output.stiffness)

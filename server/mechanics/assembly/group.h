@@ -30,9 +30,10 @@ struct GroupTerm {
       batch.state[s] = state + first_state + s * elements + first;
   }
 
-  /// The law's linearisation at the strains of `history.ahead`, at those of the batch.
-  void evaluate_ahead(const double* parameters, const History& history, int first,
-                      LawBatch& batch) const;
+  /// The law's linearisation at the strains of `history.ahead`, at those of the batch; `beyond`:
+  /// what the stresses have more than there, [i * kChunk + e].
+  void evaluate_ahead(const double* parameters, const History& history, int first, LawBatch& batch,
+                      double* beyond) const;
 };
 
 /// An energy limit on the elements of a group.

@@ -3,44 +3,73 @@
 
 #include <algorithm>
 
+#include "server/mechanics/mesh/edges.h"
+
 namespace tenter::mechanics {
+namespace {
+
+Eigen::Vector3d at(const Eigen::VectorXd& x, int node) {
+  return x.segment<3>(3 * static_cast<Eigen::Index>(node));
+}
+
+template <class Nodes>
+Box box_around(const Eigen::VectorXd& from, const Eigen::VectorXd& to, const Nodes& nodes) {
+  const Eigen::Vector3d first = at(from, nodes[0]);
+  Box box{first, first};
+  for (const int node : nodes) {
+    box.hold(at(from, node));
+    box.hold(at(to, node));
+  }
+  return box;
+}
+
+}  // namespace
+
+FourPoints pair_points(const Eigen::VectorXd& x, const ContactPair& pair) {
+  FourPoints result;
+  for (Eigen::Index c = 0; c < 4; ++c)
+    result.col(c) = at(x, pair.nodes[static_cast<std::size_t>(c)]);
+  return result;
+}
+
+NearPairs::NearPairs(const SurfaceMesh& mesh) : triangles_(mesh.triangles) {
+  int first_layer = mesh.layer(0);
+  for (int t = 1; t < mesh.triangle_count(); ++t)
+    first_layer = std::min(first_layer, mesh.layer(t));
+  for (const Edge& edge : edges(mesh))
+    if (edge.layer == first_layer)
+      edges_.push_back({{edge.low, edge.high}, mesh.way_m(edge.low, edge.high).squaredNorm()});
+}
 
 void NearPairs::find(const Eigen::VectorXd& from, const Eigen::VectorXd& to, double reach_m) {
   pairs_.clear();
-  const auto at = [](const Eigen::VectorXd& x, int node) -> Eigen::Vector3d {
-    return x.segment<3>(3 * static_cast<Eigen::Index>(node));
-  };
-  const Eigen::Map<const Eigen::Matrix3Xd> nodes(from.data(), 3, from.size() / 3);
-  Eigen::Index axis = 0;
-  (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).maxCoeff(&axis);
-  boxes_.resize(triangles_.size());
-  double widest = 0.0;
-  for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    Box& box = boxes_[t];
-    box.triangle = static_cast<int>(t);
-    box.low = box.high = at(from, triangles_[t][0]);
-    for (const int corner : triangles_[t]) {
-      box.low = box.low.cwiseMin(at(from, corner)).cwiseMin(at(to, corner));
-      box.high = box.high.cwiseMax(at(from, corner)).cwiseMax(at(to, corner));
-    }
-    widest = std::max(widest, box.high[axis] - box.low[axis]);
-  }
-  std::sort(boxes_.begin(), boxes_.end(), [axis](const Box& a, const Box& b) {
-    return a.low[axis] != b.low[axis] ? a.low[axis] < b.low[axis] : a.triangle < b.triangle;
-  });
-  const auto count = static_cast<int>(nodes.cols());
+  boxes_.clear();
+  for (const auto& triangle : triangles_) boxes_.push_back(box_around(from, to, triangle));
+  grid_.fill(boxes_);
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(reach_m);
+  const auto count = static_cast<int>(from.size() / 3);
   for (int v = 0; v < count; ++v) {
-    const Eigen::Vector3d low = at(from, v).cwiseMin(at(to, v)).array() - reach_m;
-    const Eigen::Vector3d high = at(from, v).cwiseMax(at(to, v)).array() + reach_m;
-    auto box = std::lower_bound(boxes_.begin(), boxes_.end(), low[axis] - widest,
-                                [axis](const Box& a, double least) { return a.low[axis] < least; });
-    for (; box != boxes_.end() && box->low[axis] <= high[axis]; ++box) {
-      if ((box->high.array() < low.array()).any() || (box->low.array() > high.array()).any())
-        continue;
-      const auto& t = triangles_[static_cast<std::size_t>(box->triangle)];
-      if (t[0] == v || t[1] == v || t[2] == v) continue;
-      pairs_.push_back({v, t[0], t[1], t[2]});
-    }
+    const Box own = box_around(from, to, std::array{v});
+    grid_.near(own.low - reach, own.high + reach, [&](int k) {
+      const auto& t = triangles_[static_cast<std::size_t>(k)];
+      if (t[0] == v || t[1] == v || t[2] == v) return;
+      pairs_.push_back({PairKind::vertex_and_triangle, {v, t[0], t[1], t[2]}, 0.0});
+    });
+  }
+  boxes_.clear();
+  for (const RestEdge& edge : edges_) boxes_.push_back(box_around(from, to, edge.nodes));
+  grid_.fill(boxes_);
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    const RestEdge& own = edges_[e];
+    grid_.near(boxes_[e].low - reach, boxes_[e].high + reach, [&](int k) {
+      if (k <= static_cast<int>(e)) return;  // each pair once
+      const RestEdge& other = edges_[static_cast<std::size_t>(k)];
+      const auto& a = own.nodes;
+      const auto& b = other.nodes;
+      if (a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1]) return;
+      pairs_.push_back(
+          {PairKind::two_edges, {a[0], a[1], b[0], b[1]}, own.squared_m2 * other.squared_m2});
+    });
   }
 }
 

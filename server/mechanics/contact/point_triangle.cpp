@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/mechanics/contact/point_triangle.h"
 
-#include <algorithm>
-
 namespace tenter::mechanics {
 
 // The nearest point is in one of seven regions (Ericson, Real-Time Collision Detection, 5.1.5):
 // told apart by the projections of p on the edges and by the signs of the areas that p cuts off.
-PointTriangle point_triangle(const PointAndTriangle& x) {
+PairDistance point_triangle(const FourPoints& x) {
   const Eigen::Vector3d p = x.col(0), a = x.col(1), b = x.col(2), c = x.col(3);
   const Eigen::Vector3d ab = b - a, ac = c - a;
   const double a1 = ab.dot(p - a), a2 = ac.dot(p - a);
@@ -16,8 +14,7 @@ PointTriangle point_triangle(const PointAndTriangle& x) {
   const double area_c = a1 * b2 - b1 * a2;
   const double area_b = c1 * a2 - a1 * c2;
   const double area_a = b1 * c2 - c1 * b2;
-  PointTriangle result;
-  Eigen::Vector3d& w = result.weight;
+  Eigen::Vector3d w;
   if (a1 <= 0.0 && a2 <= 0.0) {
     w = {1.0, 0.0, 0.0};
   } else if (b1 >= 0.0 && b2 <= b1) {
@@ -38,32 +35,11 @@ PointTriangle point_triangle(const PointAndTriangle& x) {
     w = {area_a / sum, area_b / sum, area_c / sum};
   }
   const Eigen::Vector3d off = p - x.rightCols<3>() * w;
+  PairDistance result;
   result.distance_m = off.norm();
   if (result.distance_m > 0.0) result.normal = off / result.distance_m;
+  result.weight << 1.0, -w;
   return result;
-}
-
-// While point and triangle go the share s of their ways, relative to the point's own motion less
-// the mean one, their distance shrinks by at most s (|dp| + max |dt|).
-double free_share(const PointAndTriangle& from, const PointAndTriangle& to) {
-  constexpr double kKept = 0.1;      // of the first distance
-  constexpr double kNear = 0.01;     // of it: closer to what is kept counts as there
-  constexpr int kMostSteps = 10000;  // grazing motions take many
-  PointAndTriangle way = to - from;
-  way.colwise() -= way.rowwise().mean().eval();
-  const double fastest = way.col(0).norm() + way.rightCols<3>().colwise().norm().maxCoeff();
-  const double first = point_triangle(from).distance_m;
-  if (first <= 0.0) return 0.0;
-  if (fastest < (1.0 - kKept) * first) return 1.0;
-  double share = 0.0, distance = first;
-  for (int step = 0; step < kMostSteps; ++step) {
-    const double left = distance - kKept * first;
-    if (left <= kNear * first) return share;
-    share += left / fastest;
-    if (share >= 1.0) return 1.0;
-    distance = point_triangle(from + share * way).distance_m;
-  }
-  return share;
 }
 
 }  // namespace tenter::mechanics

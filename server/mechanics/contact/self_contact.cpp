@@ -6,16 +6,33 @@
 #include <limits>
 #include <string>
 
-#include "server/mechanics/contact/point_triangle.h"
+#include "server/mechanics/contact/edge_edge.h"
 
 namespace tenter::mechanics {
 namespace {
 
-PointAndTriangle gather(const Eigen::VectorXd& x, const NearPairs::Pair& pair) {
-  PointAndTriangle result;
-  for (int c = 0; c < 4; ++c)
-    result.col(c) = x.segment<3>(3 * static_cast<Eigen::Index>(pair[static_cast<std::size_t>(c)]));
-  return result;
+constexpr double kFarFromAnything_m = 1e100;
+
+bool is_somewhere(const Eigen::VectorXd& x) {
+  return x.allFinite() && x.lpNorm<Eigen::Infinity>() < kFarFromAnything_m;
+}
+
+/// m of self_contact.h.
+struct Fade {
+  double value = 1.0;
+  double slope = 0.0;  ///< dm/dc
+};
+Fade fade(double c, double squares_m4) {
+  const double e = 1e-3 * squares_m4;
+  if (c >= e) return {};
+  return {(2.0 - c / e) * c / e, 2.0 * (1.0 - c / e) / e};
+}
+
+/// What turning an edge does to c, of each node by itself: c is at most 4 |v|^2 times the squares
+/// of the two ends' ways across v, and as much for the other edge.
+Eigen::Matrix3d turn_stiffness(const FourPoints& x, Eigen::Index column) {
+  const Eigen::Vector3d other = column < 2 ? x.col(3) - x.col(2) : x.col(1) - x.col(0);
+  return 4.0 * (other.squaredNorm() * Eigen::Matrix3d::Identity() - other * other.transpose());
 }
 
 double smallest_height_m(const SurfaceMesh& mesh) {
@@ -53,39 +70,51 @@ void SelfContact::begin(const Eigen::VectorXd& x) {
 }
 
 double SelfContact::longest_fraction(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
+  if (!is_somewhere(to)) return 0.0;
   pairs_.find(from, to, thickness_m_);
   double share = 1.0;
-  for (const NearPairs::Pair& pair : pairs_.list())
-    share = std::min(share, free_share(gather(from, pair), gather(to, pair)));
+  for (const ContactPair& pair : pairs_.list())
+    share = std::min(share, free_share(pair.kind, pair_points(from, pair), pair_points(to, pair)));
   return share;
 }
 
 void SelfContact::add(const Eigen::VectorXd& x, const LoadOutput& output, double) const {
-  for (const NearPairs::Pair& pair : pairs_.list()) {
-    const PointTriangle near = point_triangle(gather(x, pair));
+  for (const ContactPair& pair : pairs_.list()) {
+    const FourPoints points = pair_points(x, pair);
+    const PairDistance near = pair_distance(pair.kind, points);
     const double d = near.distance_m, h = thickness_m_;
     if (d >= h) continue;
     if (d <= 0.0) {
       if (output.energy) *output.energy = std::numeric_limits<double>::infinity();
       return;
     }
+    EdgeCross cross;
+    Fade m;
+    if (pair.kind == PairKind::two_edges) {
+      cross = edge_cross(points);
+      m = fade(cross.squared_m4, pair.squares_m4);
+    }
     const double off = d - h, log = std::log(d / h);
-    const double energy = -stiffness_N_m_ * off * off * log;
+    const double barrier = -stiffness_N_m_ * off * off * log;
     const double slope = stiffness_N_m_ * (-2.0 * off * log - off * off / d);
     const double curvature = stiffness_N_m_ * (-2.0 * log - 4.0 * off / d + off * off / (d * d));
-    if (output.energy) *output.energy += energy;
-    if (output.energy_size) *output.energy_size += energy;
+    if (output.energy) *output.energy += m.value * barrier;
+    if (output.energy_size) *output.energy_size += m.value * barrier;
     for (std::size_t c = 0; c < 4; ++c) {
-      const double weight = c == 0 ? 1.0 : -near.weight[static_cast<Eigen::Index>(c) - 1];
-      if (weight == 0.0) continue;
-      const auto node = static_cast<std::size_t>(pair[c]);
-      if (output.gradient)
-        Eigen::Map<Eigen::Vector3d>(output.gradient + 3 * node) += slope * weight * near.normal;
+      const auto column = static_cast<Eigen::Index>(c);
+      const double weight = near.weight[column];
+      const auto node = static_cast<std::size_t>(pair.nodes[c]);
+      if (output.gradient) {
+        Eigen::Map<Eigen::Vector3d> force(output.gradient + 3 * node);
+        force += m.value * slope * weight * near.normal;
+        if (m.slope > 0.0) force += m.slope * barrier * cross.slope.col(column);
+      }
       if (!output.stiffness) continue;
       // the sum of all |w| is 2
       Eigen::Map<Eigen::Matrix3d> block(
           output.stiffness->block(output.stiffness->column_start()[node]));
-      block += 2.0 * std::abs(weight) * curvature * near.normal * near.normal.transpose();
+      block += m.value * 2.0 * std::abs(weight) * curvature * near.normal * near.normal.transpose();
+      if (m.slope > 0.0) block += m.slope * barrier * turn_stiffness(points, column);
     }
   }
 }
@@ -93,8 +122,8 @@ void SelfContact::add(const Eigen::VectorXd& x, const LoadOutput& output, double
 double SelfContact::nearest_m(const Eigen::VectorXd& x) {
   begin(x);
   double nearest = thickness_m_;
-  for (const NearPairs::Pair& pair : pairs_.list())
-    nearest = std::min(nearest, point_triangle(gather(x, pair)).distance_m);
+  for (const ContactPair& pair : pairs_.list())
+    nearest = std::min(nearest, pair_distance(pair.kind, pair_points(x, pair)).distance_m);
   return nearest;
 }
 

@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A sheet that does not pass through itself: no vertex goes through a triangle.
+// A sheet that does not pass through itself: no vertex goes through a triangle, and no edge through
+// another.
 //
-//   E = kappa sum over vertices and triangles of b(d)    b(d) = -(d - h)^2 ln(d/h) for d < h, else
-//   0
+//   E = kappa sum over pairs of m b(d)     b(d) = -(d - h)^2 ln(d/h) for d < h, else 0
 //
-// d: distance of vertex and triangle (point_triangle.h), h: the thickness at which they begin to
-// feel each other, kappa (N/m): at h/2 a pair presses with 1.2 kappa h. The barrier (Li and others,
-// Incremental Potential Contact, 2020) grows without bound as d goes to 0, and longest_fraction()
-// keeps the steps of a minimisation from jumping over it: where nothing touches to begin with,
-// nothing ever passes. Without friction. Edges of two triangles may cross where no vertex does.
+// d: distance of vertex and triangle or of two edges (pair.h), h: the thickness at which they begin
+// to feel each other, kappa (N/m): at h/2 a pair presses with 1.2 kappa h. m is 1 but for edges
+// that are nearly parallel, c = |u x v|^2 < e, e = |u|^2 |v|^2/1000 at rest: there
+// m = (2 - c/e) c/e, since their d has kinks; a vertex of one is as near then. The barrier (Li and
+// others, Incremental Potential Contact, 2020, 4 and 5) grows without bound as d goes to 0, and
+// longest_fraction() keeps the steps of a minimisation from jumping over it: where nothing touches
+// to begin with, nothing ever passes. Without friction.
 //
-// As stiffness each pair gives kappa b'' n n' with each node by itself, 2 |w| of it for the weight
-// w in d's slope: never less than its coupled curvature, so that steps go downhill, and no new
-// entries in the matrix; they converge linearly, the faster the shorter the time step.
+// As stiffness each pair gives kappa m b'' n n' with each node by itself, 2 |w| of it for the
+// weight w in d's slope: never less than its coupled curvature, so that steps go downhill, and no
+// new entries in the matrix; they converge linearly, the faster the shorter the time step.
 //
 //   auto contact = SelfContact::make(mesh, 1e-3, 1.0);
+//   if (crossings(mesh, x) > 0) ...                        // crossings.h: it begins the wrong way
 //   contact->begin(x);
 //   share = contact->longest_fraction(x, x_wanted);        // then evaluate between both
 //
@@ -41,7 +44,7 @@ class SelfContact final : public NodeEnergy {
            double positive_share) const override;
   const std::vector<ClipSpring>& clip_springs() const override { return none_; }
 
-  /// Of all vertices and triangles within the thickness; the thickness where there are none.
+  /// Of all pairs within the thickness; the thickness where there are none.
   double nearest_m(const Eigen::VectorXd& x);
 
  private:

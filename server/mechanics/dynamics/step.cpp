@@ -12,6 +12,14 @@ namespace {
 
 constexpr int kMostRounds = 60;  // of constraints
 
+/// How much negative stiffness the next step leaves out at first, after one that began with
+/// `first` and needed `last`: what had to be raised stays once.
+double next_share(double first, double last) {
+  constexpr double kDecay = 0.25, kLeast = 0.05;
+  if (last > first) return last;
+  return kDecay * last > kLeast ? kDecay * last : 0.0;
+}
+
 Expected<void> check_options(const StepOptions& options) {
   using enum OptionRange;
   return check_numbers(
@@ -198,8 +206,11 @@ void TimeStepper::solve(const Potential& potential, const StepOptions& options,
   how.max_iterations = options.max_iterations;
   how.start_is_near = true;
   how.learn_secants = true;
+  how.first_share = first_share_;
   for (int round = 0; round <= kMostRounds; ++round) {
     result.last = minimise_by_newton(potential, *factor_, how, end_, work_);
+    if (result.last.factorisations > 0)
+      first_share_ = next_share(how.first_share, result.last.share);
     result.iterations += result.last.iterations;
     result.factorisations += result.last.factorisations;
     result.evaluations += result.last.evaluations;
@@ -216,17 +227,16 @@ void TimeStepper::solve(const Potential& potential, const StepOptions& options,
 // elastic law, but turns friction round. So the first step is one of a law without kinks: the
 // linearisation of friction where the strains would be if they went on as they went.
 void TimeStepper::look_ahead(const Potential& potential, double energy_J, StepResult& result) {
-  constexpr double kLeastShare = 0.05;
   PotentialValue& value = work_.current;
   history_.is_ahead = true;
   FactorStatus status = FactorStatus::not_positive_definite;
-  const double first_share = ahead_share_ > kLeastShare ? ahead_share_ : 0.0;
-  for (const double share : {first_share, 1.0}) {
+  const double first = ahead_share_;
+  for (const double share : {first, 1.0}) {
     ++result.evaluations;
     if (!potential.evaluate_with_stiffness(end_, share, value)) break;
     ++result.factorisations;
     status = factor_->factorize(value.stiffness.data());
-    ahead_share_ = 0.25 * share;
+    ahead_share_ = next_share(first, share);
     if (status != FactorStatus::not_positive_definite) break;
   }
   history_.is_ahead = false;
@@ -255,12 +265,14 @@ MinimiseEnd TimeStepper::solve_linearised(const Potential& potential, const Stat
                                           StepResult& result) {
   PotentialValue& value = work_.current;
   FactorStatus status = FactorStatus::not_positive_definite;
-  for (const double share : {0.0, 1.0}) {
+  const double first = linear_share_;
+  for (const double share : {first, 1.0}) {
     ++result.evaluations;
     if (!potential.evaluate_with_stiffness(start, share, value))
       return MinimiseEnd::start_not_finite;
     ++result.factorisations;
     status = factor_->factorize(value.stiffness.data());
+    linear_share_ = next_share(first, share);
     if (status != FactorStatus::not_positive_definite) break;
   }
   if (status == FactorStatus::out_of_memory) return MinimiseEnd::out_of_memory;

@@ -17,7 +17,8 @@
 // Friction's tangent jumps where a strain turns round, and at a guess strains are off by many times
 // what they change by in a step: Newton would start with every element turned. So the solve first
 // takes one step of friction linearised at the strains that go on as they went (history.h, ahead);
-// after each factorisation it goes on with what its steps learn (equilibrium/secants.h).
+// after each factorisation it goes on with what its steps learn (equilibrium/secants.h). How much
+// negative stiffness has to be left out is remembered from step to step.
 // Masses are those of the loads: what hangs at a node has inertia too.
 //
 // A linearised step (Baraff and Witkin 1998) solves (M/h^2 + K(x0)) dx = f(x0) + M v^/h once, for
@@ -135,7 +136,8 @@ class TimeStepper {
   MinimiseWorkspace work_;
   History history_;           ///< of the step that is being solved
   bool has_path_ = false;     ///< history_.ahead is there
-  double ahead_share_ = 0.0;  ///< of positive stiffness that looking ahead needs
+  /// Of negative stiffness left out at first: looking ahead, by Newton, in a linearised step.
+  double ahead_share_ = 0.0, first_share_ = 0.0, linear_share_ = 0.0;
   State end_;                 ///< of the step that is being solved
   Eigen::VectorXd points_;
 };

@@ -40,6 +40,7 @@ struct MinimiseOptions {
   /// The same with any factor and with what steps learn on the way (secants.h): farther, so that
   /// the factor says little of the end.
   bool learn_secants = false;
+  double first_share = 0.0;  ///< where start_is_near: of negative stiffness left out at first
 };
 
 struct MinimiseResult {
@@ -49,6 +50,7 @@ struct MinimiseResult {
   int evaluations = 0;  ///< of the energy, with or without derivatives
   double net_force_N = 0.0;
   bool has_exact_factor = false;  ///< the factor is that of an exact stiffness near the end
+  double share = 0.0;             ///< of negative stiffness left out of the last factor
 
   bool is_equilibrium() const {
     return end == MinimiseEnd::converged || end == MinimiseEnd::at_rounding;

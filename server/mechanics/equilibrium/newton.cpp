@@ -37,7 +37,7 @@ class Newton {
     extent_ = extent_m(state_.x);
     max_move_ = options_.max_move_m > 0.0 ? options_.max_move_m : 0.1 * extent_;
     start_ = state_.x;
-    share_ = options_.start_is_near ? 0.0 : 1.0;
+    share_ = options_.start_is_near ? options_.first_share : 1.0;
     work_.trial_state.clips.resize(state_.clips.size());
     if (!evaluate(state_, share_, work_.current)) return end(MinimiseEnd::start_not_finite);
     typical_N_m_ = typical_stiffness_N_m(potential_.unknowns.pattern(), work_.current);
@@ -90,6 +90,7 @@ class Newton {
     if (status == FactorStatus::out_of_memory) return MinimiseEnd::out_of_memory;
     if (status != FactorStatus::ok) return MinimiseEnd::no_descent;
     result_.has_exact_factor = share_ == 0.0;
+    result_.share = work_.current.positive_share;
     solve_for_step();
     return std::nullopt;
   }
@@ -176,10 +177,9 @@ class Newton {
       potential_.unknowns.move(state_, work_.step, first, work_.trial_state);
     }
     // forces and stiffness at once: most first trials are taken
-    const bool saves = options_.learn_secants || options_.reuse_factor;
-    const bool is_finite = saves && share_ == 0.0
-                               ? evaluate_forces(work_.trial_state, work_.trial)
-                               : evaluate(work_.trial_state, share_, work_.trial);
+    const bool saves = options_.learn_secants || (options_.reuse_factor && share_ == 0.0);
+    const bool is_finite = saves ? evaluate_forces(work_.trial_state, work_.trial)
+                                 : evaluate(work_.trial_state, share_, work_.trial);
     if (is_finite && is_better(work_.trial, first * slope)) {
       short_steps_ = 0;
       accept();

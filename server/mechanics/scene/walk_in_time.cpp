@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/mechanics/contact/crossings.h"
 #include "server/mechanics/dynamics/motion_energy.h"
 #include "server/mechanics/scene/run.h"
 
@@ -27,6 +28,11 @@ StepLength length_of(const scene::Scene& scene) {
   const int halvings = scene.solver.most_halvings + (length.error_m > 0.0 ? 10 : 0);
   length.smallest_s = std::ldexp(length.largest_s, -halvings);
   return length;
+}
+
+int crossings_at(const SceneBody& body, const State& start) {
+  const auto* cloth = std::get_if<Cloth>(&body.mesh);
+  return cloth ? crossings(cloth->mesh, start.x) : 0;
 }
 
 /// So stiff that a vertex pressed to half of the thickness bears ten of its weights.
@@ -113,6 +119,9 @@ Expected<SceneEnd> SceneRun::walk_in_time(const SceneHooks& hooks) {
     was_stopped_ = true;
     return stop("");
   }
+  if (const int places = scene_.dynamics->self_contact_m > 0.0 ? crossings_at(body_, start) : 0)
+    return stop("the sheet goes through itself at its start, at " + std::to_string(places) +
+                " places: it cannot be kept from it any more (dynamics.self_contact_m)");
   Motion motion = at_rest(set_up_.boundary, start);
   if (scene_.dynamics->from_rest || scene_.start.is_remembered)
     motion.history = motion.last_history = history_.state;

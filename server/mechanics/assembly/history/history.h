@@ -39,7 +39,8 @@ struct History {
   double rate_duration_s = 0.0;
   /// Where the step is thought to end. While is_ahead, laws whose tangent jumps where the strain
   /// turns round answer with their linearisation at the strain they have there, energy, forces and
-  /// stiffness: for the first look of a time step (dynamics/step.h).
+  /// stiffness (that of stresses as they are there): for the first look of a time step
+  /// (dynamics/step.h).
   Eigen::VectorXd ahead = {};
   bool is_ahead = false;
 };

@@ -19,9 +19,10 @@ Expected<void> check(const History& history, int history_count) {
   return {};
 }
 
-// sigma = sigma(e) + T(e) d, psi = psi(e) + (sigma(e) + T(e) d / 2) d, with d the way from e, ahead
+// With d the way from e, ahead: beyond = T(e) d, sigma = sigma(e) + beyond,
+// psi = psi(e) + (sigma(e) + beyond/2) d.
 void GroupTerm::evaluate_ahead(const double* parameters, const History& history, int first,
-                               LawBatch& batch) const {
+                               LawBatch& batch, double* beyond) const {
   const auto elements = static_cast<int>(measure.size());
   const int strains = law->strain_count(), count = batch.count;
   double ahead[kMaxStrains][kChunk] = {}, tangent[kMaxStrains][kMaxStrains][kChunk];
@@ -44,7 +45,10 @@ void GroupTerm::evaluate_ahead(const double* parameters, const History& history,
         more[i] += there.tangent[std::min(i, j)][std::max(i, j)][e] * way[j];
       if (batch.energy) batch.energy[e] += (batch.stress[i][e] + 0.5 * more[i]) * way[i];
     }
-    for (int i = 0; i < strains; ++i) batch.stress[i][e] += more[i];
+    for (int i = 0; i < strains; ++i) {
+      batch.stress[i][e] += more[i];
+      beyond[i * kChunk + e] = more[i];
+    }
   }
 }
 

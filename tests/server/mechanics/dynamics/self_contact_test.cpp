@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "server/mechanics/contact/crossings.h"
 #include "server/mechanics/contact/point_triangle.h"
 #include "server/mechanics/contact/self_contact.h"
 #include "tests/server/mechanics/differences.h"
@@ -15,8 +16,8 @@ namespace {
 
 using tenter::testing::Numbers;
 
-PointAndTriangle random_case(Numbers& numbers, double size) {
-  PointAndTriangle x;
+FourPoints random_case(Numbers& numbers, double size) {
+  FourPoints x;
   for (Eigen::Index i = 0; i < x.size(); ++i) x.data()[i] = numbers.between(-size, size);
   return x;
 }
@@ -26,8 +27,8 @@ PointAndTriangle random_case(Numbers& numbers, double size) {
 TEST(PointTriangle, IsTheNearestPointAndItsSlope) {
   Numbers numbers(3);
   for (int sample = 0; sample < 200; ++sample) {
-    const PointAndTriangle x = random_case(numbers, 1.0);
-    const PointTriangle near = point_triangle(x);
+    const FourPoints x = random_case(numbers, 1.0);
+    const PairDistance near = point_triangle(x);
     double least = 1e9;
     constexpr int kFine = 60;
     for (int i = 0; i <= kFine; ++i)
@@ -39,17 +40,18 @@ TEST(PointTriangle, IsTheNearestPointAndItsSlope) {
     ASSERT_GT(near.distance_m, 0.0);
     EXPECT_LE(near.distance_m, least + 1e-12);
     EXPECT_GE(near.distance_m, least - 0.05);
-    EXPECT_NEAR(near.weight.sum(), 1.0, 1e-12);
-    EXPECT_GE(near.weight.minCoeff(), -1e-12);
+    EXPECT_EQ(near.weight[0], 1.0);
+    EXPECT_NEAR(near.weight.sum(), 0.0, 1e-12);
+    EXPECT_LE(near.weight.tail<3>().maxCoeff(), 1e-12);
     for (Eigen::Index k = 0; k < x.size(); ++k) {
       constexpr double kStep = 1e-6;
-      PointAndTriangle low = x, high = x;
+      FourPoints low = x, high = x;
       low.data()[k] -= kStep;
       high.data()[k] += kStep;
       const double slope =
           (point_triangle(high).distance_m - point_triangle(low).distance_m) / (2.0 * kStep);
-      const double weight = k < 3 ? 1.0 : -near.weight[k / 3 - 1];
-      EXPECT_NEAR(slope, weight * near.normal[k % 3], 2e-5 / std::min(1.0, near.distance_m));
+      EXPECT_NEAR(slope, near.weight[k / 3] * near.normal[k % 3],
+                  2e-5 / std::min(1.0, near.distance_m));
     }
   }
 }
@@ -59,8 +61,8 @@ TEST(PointTriangle, TheFreeShareIsFree) {
   Numbers numbers(5);
   int shortened = 0, whole = 0;
   for (int sample = 0; sample < 500; ++sample) {
-    const PointAndTriangle from = random_case(numbers, 1.0), to = random_case(numbers, 1.0);
-    const double share = free_share(from, to);
+    const FourPoints from = random_case(numbers, 1.0), to = random_case(numbers, 1.0);
+    const double share = free_share(PairKind::vertex_and_triangle, from, to);
     const double first = point_triangle(from).distance_m;
     ASSERT_GE(share, 0.0);
     ASSERT_LE(share, 1.0);
@@ -152,16 +154,12 @@ TEST(SelfContact, AFoldLiesOnItselfAndNothingPasses) {
 
 /// Whether the vertex goes through the triangle on the straight way, by many looks at which side it
 /// is on.
-bool passes(const Eigen::VectorXd& from, const Eigen::VectorXd& to, const NearPairs::Pair& pair) {
+bool passes(const Eigen::VectorXd& from, const Eigen::VectorXd& to, const ContactPair& pair) {
   constexpr int kLooks = 40;
   double before = 0.0;
   for (int k = 0; k <= kLooks; ++k) {
-    PointAndTriangle x;
-    for (int c = 0; c < 4; ++c) {
-      const auto first = 3 * static_cast<Eigen::Index>(pair[static_cast<std::size_t>(c)]);
-      x.col(c) =
-          from.segment<3>(first) + static_cast<double>(k) / kLooks * (to - from).segment<3>(first);
-    }
+    const double share = static_cast<double>(k) / kLooks;
+    const FourPoints x = (1.0 - share) * pair_points(from, pair) + share * pair_points(to, pair);
     const Eigen::Vector3d p = x.col(0), a = x.col(1), b = x.col(2), c = x.col(3);
     const Eigen::Vector3d across = (b - a).cross(c - a);
     const double side = across.dot(p - a);
@@ -204,7 +202,7 @@ TEST(SelfContact, ARolledStripUnrollsWithoutPassingThroughItself) {
     for (int i = 0; i < grid.nodes_u; ++i) boundary.held.push_back(grid.node(i, j));
   const Loads loads = weight(sheet.cloth.mesh, 0.255);
   const Script script = [&](double) { return StepInput{0.0, loads, {}, {}}; };
-  int passed[2] = {};
+  int passed[2] = {}, crossed[2] = {};
   for (const bool keeps_apart : {false, true}) {
     auto stepper = TimeStepper::make(sheet.model, boundary).value();
     if (keeps_apart) stepper.keep_apart(*contact);
@@ -216,8 +214,10 @@ TEST(SelfContact, ARolledStripUnrollsWithoutPassingThroughItself) {
     WalkHooks hooks;
     hooks.on_step = [&](const Motion& now) {
       pairs.find(now.last_points_m, now.at.x, 0.0);
-      for (const NearPairs::Pair& pair : pairs.list())
-        passed[keeps_apart] += passes(now.last_points_m, now.at.x, pair);
+      for (const ContactPair& pair : pairs.list())
+        if (pair.kind == PairKind::vertex_and_triangle)
+          passed[keeps_apart] += passes(now.last_points_m, now.at.x, pair);
+      crossed[keeps_apart] += crossings(sheet.cloth.mesh, now.at.x);
       return true;
     };
     const auto end =
@@ -226,7 +226,9 @@ TEST(SelfContact, ARolledStripUnrollsWithoutPassingThroughItself) {
     EXPECT_EQ(end->how, WalkEnd::How::complete) << end->reason;
   }
   EXPECT_GT(passed[0], 20) << "left alone its turns go through each other";
+  EXPECT_GT(crossed[0], 20);
   EXPECT_EQ(passed[1], 0);
+  EXPECT_EQ(crossed[1], 0);
 }
 
 TEST(SelfContact, DerivativesAndWhatDoesNotFit) {

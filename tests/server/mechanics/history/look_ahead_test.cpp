@@ -49,11 +49,25 @@ TEST(LookingAhead, IsTheLawAtItsPlaceAndHasNoKink) {
                 .lpNorm<Eigen::Infinity>(),
             1e-2 * scale)
       << "elsewhere it is not the law";
-  // where every strain is what it was at the start the law has its kinks, the linearisation none
+  // its stiffness is that of its energy where the strains are ahead
   NodeMatrix matrix = model.matrix();
   check_derivatives(
       [&](const Eigen::VectorXd& y, NodeMatrix* into) { return evaluate(y, true, into); }, matrix,
-      moved(rest, 4e-4, 1), 4e-8, 1e-6);
+      end, 4e-8, 1e-6);
+  // where every strain is what it was at the start the law has its kinks, the linearisation none
+  const Eigen::VectorXd kink = moved(rest, 4e-4, 1);
+  const Eigen::VectorXd way = moved(Eigen::VectorXd::Zero(kink.size()), 1.0, 5);
+  const auto jump = [&](bool is_ahead) {
+    Eigen::VectorXd forces = Eigen::VectorXd::Zero(way.size()), other = forces;
+    evaluate(kink + 1e-8 * way, is_ahead, &matrix);
+    matrix.multiply_add(way.data(), forces.data());
+    evaluate(kink - 1e-8 * way, is_ahead, &matrix);
+    matrix.multiply_add(way.data(), other.data());
+    EXPECT_GT(forces.lpNorm<Eigen::Infinity>(), 10.0);
+    return (forces - other).lpNorm<Eigen::Infinity>() / forces.lpNorm<Eigen::Infinity>();
+  };
+  EXPECT_GT(jump(false), 0.05);
+  EXPECT_LT(jump(true), 1e-4);
 }
 
 TEST(LookingAhead, DoesNotChangeTheStep) {

@@ -11,15 +11,16 @@
 //   v     = gain T(t - delay) + offset + rate t       T linear between frames
 //   shown = v - share max(0, v - cap)                 saturation
 //
-// A point x shows, all about the middle c of what the first frame saw (camera_pose and camera_scale
-// leave c where it is) and with a the sequence's camera_axis,
+// A point x shows, with c the middle of what the first frame saw and a the sequence's camera_axis,
 //
 //   x1 = x + length a     occlusion_bias; in frames that did not see a neighbour (hidden_points.h)
 //   x2 = c + R(turn) (x1 - c) + shift                 camera_pose
 //   shown = c + scale (x2 - c)                        camera_scale
 //
-// Clips keep their measured poses: cameras err about points alone. Lengths, areas and torques show
-// what they are. Two faults change the equilibrium, and with it all channels:
+// A scale about another point is one about c and a shift. Clips keep their measured poses: cameras
+// err about points alone. Lengths, areas and torques show what they are.
+//
+// Two faults change the equilibrium, and with it all channels:
 //
 //   mass_scale   every node weighs scale times as much (clips do not); several add up
 //   clip_slip    from at_frame on (of the sequence, from 0) the nodes of the channel's clip lie

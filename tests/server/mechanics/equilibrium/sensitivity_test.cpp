@@ -44,6 +44,17 @@ struct ClothBetween {
     boundary.clips.push_back(clip_on(id, row(row_of_nodes), start.x, pose));
     start.clips.push_back(pose);
   }
+  /// One that cords pull, beside one that is held.
+  void add_free_clip() {
+    add_clip("held", 0);
+    add_clip("free", 8);
+    Clip& free = boundary.clips[1];
+    free.is_free = true;
+    free.mass_kg = 0.02;
+    free.centre_of_mass_m = Eigen::Vector3d(0.0, 0.005, 0.0);
+    free.cord_place_m = {{-0.04, 0.01, 0.0}, {0.045, 0.01, 0.0}};
+    loads.cord_force_N = {{}, {{-0.05, 0.8, 0.05}, {0.1, 0.9, 0.0}}};
+  }
 };
 
 EquilibriumOptions to_rounding() {
@@ -137,14 +148,7 @@ TEST(Sensitivity, FollowsWholeSolvesWithPrescribedClips) {
 
 TEST(Sensitivity, FollowsWholeSolvesWithAFreeClip) {
   ClothBetween setup;
-  setup.add_clip("held", 0);
-  setup.add_clip("free", 8);
-  Clip& free = setup.boundary.clips[1];
-  free.is_free = true;
-  free.mass_kg = 0.02;
-  free.centre_of_mass_m = Eigen::Vector3d(0.0, 0.005, 0.0);
-  free.cord_place_m = {{-0.04, 0.01, 0.0}, {0.045, 0.01, 0.0}};
-  setup.loads.cord_force_N = {{}, {{-0.05, 0.8, 0.05}, {0.1, 0.9, 0.0}}};
+  setup.add_free_clip();
   compare_with_differences(setup, {}, to_rounding(), 1e-5);
 }
 
@@ -191,13 +195,7 @@ TEST(Sensitivity, ByDisplacementOfWhatIsHeld) {
 /// parameters and of outer changes together.
 TEST(Sensitivity, ByLoad) {
   ClothBetween setup;
-  setup.add_clip("held", 0);
-  setup.add_clip("free", 8);
-  Clip& free = setup.boundary.clips[1];
-  free.is_free = true;
-  free.mass_kg = 0.02;
-  free.cord_place_m = {{-0.04, 0.01, 0.0}, {0.045, 0.01, 0.0}};
-  setup.loads.cord_force_N = {{}, {{-0.05, 0.8, 0.05}, {0.1, 0.9, 0.0}}};
+  setup.add_free_clip();
   auto solver = EquilibriumSolver::make(setup.model, setup.boundary).value();
   const Solved at = solve(solver, setup, setup.parameters, setup.start, to_rounding());
   OuterChange outer;

@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "common/model/document.h"
+#include "server/estimation/fit.h"
 #include "server/estimation/prediction.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
+#include "tests/server/estimation/sequences/picture_frame.h"
 #include "tests/server/estimation/sequences/sensors/corrected.h"
 
 namespace tenter::estimation {
@@ -15,6 +17,7 @@ namespace {
 
 using mechanics::PathStatus;
 using testing::add_correction;
+using testing::measure;
 using testing::sheet_model;
 using testing::six_by_six;
 
@@ -261,6 +264,35 @@ TEST(SequenceSensors, JacobiansBySomeParametersAreThoseByAll) {
   ASSERT_EQ(all.evaluate_gradient(at, cost, gradient), PathStatus::ok);
   EXPECT_NEAR(cost, residuals.squaredNorm(), 1e-12 * cost);
   EXPECT_LT((gradient - 2.0 * by_all.transpose() * residuals).norm(), 1e-12 * gradient.norm());
+}
+
+/// Stiffness, a load cell's zero, a clip's slip and the sheet's mass, all from noisy data.
+TEST(SequenceSensors, AFitFindsWhatWasHidden) {
+  model::Model model = sheet_model(false);
+  const int zero = add_correction(model, "offset", "pull", {0.0});
+  const int slip = add_correction(model, "clip_slip", "pull", {0.0, 4.0});
+  const int mass = add_correction(model, "mass_scale", "", {1.0});
+  Eigen::VectorXd truth = parameter_values(model);
+  truth[zero] = 0.03;
+  truth[slip] = 0.001;
+  truth[mass] = 1.3;
+  const auto parameters = parameters_of(model);
+  for (const int known : {0, 3, 4, 5}) parameters[static_cast<std::size_t>(known)]->fixed = true;
+  parameters[1]->value *= 1.2;
+  parameters[2]->value *= 0.8;
+  Sequence sequence = six_by_six("one");
+  sequence.scalars.clear();
+  for (SequenceFrame& frame : sequence.frames) frame.scalars.resize(0);
+  measure(sequence, model, truth, 1.0, 5);
+  auto evaluator = SequenceEvaluator::make(model, {sequence}, {2}).value();
+  const FitResult result = fit(evaluator, model, {});
+  ASSERT_TRUE(result.usable) << result.message << evaluator.failure();
+  EXPECT_TRUE(result.converged) << result.message;
+  for (const int p : {1, 2, zero, slip, mass})
+    EXPECT_NEAR(result.parameters[p], truth[p], 4.0 * result.std_error[p]) << p;
+  EXPECT_LT(result.std_error[zero], 0.1 * 0.03);
+  EXPECT_LT(result.std_error[slip], 0.1 * 0.001);
+  EXPECT_LT(result.std_error[mass], 0.3 * 0.3);
 }
 
 TEST(SequenceSensors, WhatIsNotThereIsRefusedByName) {

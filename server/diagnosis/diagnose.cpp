@@ -15,6 +15,7 @@
 #include "server/diagnosis/model_edit.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/score.h"
+#include "server/diagnosis/screening/shortlist.h"
 #include "server/diagnosis/verdicts.h"
 
 namespace tenter::diagnosis {
@@ -34,36 +35,6 @@ void parallel(int threads, int count, const std::function<void(int)>& task) {
     pool.emplace_back([&] {
       for (int i = next++; i < count; i = next++) task(i);
     });
-}
-
-/// The best few of a screen: of each effect the three best variants with one part and the best with
-/// two, three, ..., each at its best grid point, so that the refits can weigh parts against gain.
-std::vector<Candidate> shortlist(const Screen& screen, const estimation::FitResult& fit,
-                                 std::size_t effects) {
-  // in the order of the information criterion that the refits are expected to reach; ratios only
-  // decide who is in
-  std::vector<std::pair<double, const Candidate*>> order;
-  for (const Candidate& c : screen.candidates) {
-    if (c.ratio <= 1.0) continue;
-    const double left = std::max(fit.chi2 - c.gain, 1e-3 * fit.chi2);
-    order.emplace_back(information(left, c.df, 0, fit.effective_rows), &c);
-  }
-  std::stable_sort(order.begin(), order.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<Candidate> chosen;
-  std::map<const Effect*, std::set<std::string>> taken;
-  std::map<std::pair<const Effect*, std::size_t>, int> of_size;
-  for (const auto& [score, c] : order) {
-    const std::size_t parts =
-        c->variant.append.size() + c->variant.replace.size() + c->variant.corrections.size();
-    if (!taken.contains(c->effect) && taken.size() >= effects) continue;
-    if (taken[c->effect].contains(c->variant.words)) continue;
-    if (of_size[{c->effect, parts}] >= (parts <= 1 ? 3 : 1)) continue;
-    ++of_size[{c->effect, parts}];
-    taken[c->effect].insert(c->variant.words);
-    chosen.push_back(*c);
-  }
-  return chosen;
 }
 
 double criterion(const Trial& trial, int added_effects, double rows) {

@@ -7,9 +7,7 @@
 // number of threads. Method: design/diagnosis.md; steps are the functions of diagnose.cpp.
 #pragma once
 
-#include <functional>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,35 +15,12 @@
 #include "common/base/error.h"
 #include "common/capture/capture.h"
 #include "common/model/model.h"
+#include "server/diagnosis/findings.h"
 #include "server/diagnosis/screen.h"
 #include "server/diagnosis/trial.h"
 #include "server/estimation/outliers.h"
 
 namespace tenter::diagnosis {
-
-struct Progress {
-  std::string stage;
-  std::string detail;
-  int iteration = 0;
-  double cost = 0.0;
-  double fraction = 0.0;
-};
-
-struct Control {
-  std::function<void(const Progress&)> report = [](const Progress&) {};
-  std::stop_token stop;
-  int threads = 1;
-};
-
-struct Options {
-  unsigned long long seed = 1;
-  int null_twins = 1000;
-  int max_effects = 8;
-  int max_frames_per_block = 60;
-  /// What the reported gain leaves out: "protocols", "repeats", "runs", "blocks", "none"; "auto":
-  /// the hardest of them that the rest of the data can foretell.
-  std::string leave_out = "auto";
-};
 
 struct Request {
   std::vector<std::pair<std::string, capture::Capture>> captures;  ///< SHA-256, content
@@ -53,57 +28,10 @@ struct Request {
   Options options;
 };
 
-enum class VerdictKind {
-  nothing_found,
-  named,
-  ambiguous,
-  sensor,
-  not_excited,
-  unexplained,
-  numerical
-};
-
-struct Verdict {
-  VerdictKind kind = VerdictKind::nothing_found;
-  std::string effect;  ///< "" where none
-  std::string words;
-  double size = 0.0;  ///< share of the force (rms over rms)
-  double size_lo = 0.0;
-  double size_hi = 0.0;
-  std::optional<double> p_value;
-  std::vector<std::string> alternatives;
-  std::optional<NextProtocol> next_protocol;
-  std::vector<std::pair<std::string, double>> evidence;
-};
-
-struct PathStep {
-  std::string action;  ///< "start", "add", "drop", "reject"
-  std::string effect;
-  std::string why;
-  double chi2 = 0.0;
-  double error = 0.0;
-  std::optional<double> held_out;
-  int parameters = 0;
-  double information = 0.0;
-  std::optional<double> p_value;
-};
-
-/// Relative rms error and R2 over stress rows (all rows where there is no stress).
-struct Score {
-  double error = 0.0;
-  double r2 = 0.0;
-};
-
 struct CaptureScore {
   Score before, after;
   std::optional<Score> held_out_before, held_out_after;
   double noise_floor = 0.0;
-};
-
-struct Check {
-  std::string level;  ///< "OK", "WARNING", "ERROR"
-  std::string what;
-  std::string why;
 };
 
 struct Diagnosis {

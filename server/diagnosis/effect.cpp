@@ -146,6 +146,33 @@ Excitation examine(const std::vector<Curves>& curves) {
   return e;
 }
 
+std::string measure_key(const model::StrainMeasure& measure) {
+  return measure.name + "@" + std::to_string(measure.angle_rad);
+}
+
+std::pair<double, double> range_of(const Excitation& excitation,
+                                   const model::StrainMeasure& measure) {
+  if (!excitation.sheet) return estimation::strain_range(measure, excitation.curves);
+  const auto found = excitation.sheet->ranges.find(measure_key(measure));
+  return found == excitation.sheet->ranges.end() ? std::pair{0.0, 0.0} : found->second;
+}
+
+std::vector<Variant> variants_of(const Effect& effect, const model::Model& model,
+                                 const Excitation& excitation) {
+  if (excitation.sheet && effect.sheet_variants) return effect.sheet_variants(model, excitation);
+  if (excitation.sheet && effect.kind != effects::Kind::material) return {};
+  return effect.variants(model, excitation);
+}
+
+std::optional<std::string> why_not_excited(const Effect& effect, const model::Model& model,
+                                           const Excitation& excitation) {
+  if (excitation.sheet && effect.sheet_not_excited)
+    return effect.sheet_not_excited(model, excitation);
+  if (excitation.sheet && effect.kind != effects::Kind::material && !effect.sheet_variants)
+    return "nothing of it shows on sheets";
+  return effect.not_excited(model, excitation);
+}
+
 Effect described(const std::string& id) {
   const effects::Row* row = effects::find(id);
   if (row == nullptr) std::abort();  // a row of our own catalogue without words
@@ -167,6 +194,11 @@ model::Model extend(const model::Model& base, const Variant& variant, const Sett
         term.law = law;
         if (term.effect.empty()) term.effect = effect_id;
       }
+  for (const model::Field& field : variant.fields) {
+    const bool is_there = std::any_of(model.fields.begin(), model.fields.end(),
+                                      [&](const model::Field& f) { return f.id == field.id; });
+    if (!is_there) model.fields.push_back(field);
+  }
   for (const std::string& address : variant.unfix)
     if (model::Parameter* p = find_parameter(model, address)) p->fixed = false;
   for (model::Term term : variant.append) {
@@ -189,7 +221,8 @@ model::Term new_term(const model::Model& model, const std::string& id, const std
   term.strain.name = measure;
   term.strain.angle_rad = angle_rad;
   term.law.name = law;
-  term.law.parameters = model::default_parameters(*model::find_law(law), control_points);
+  term.law.parameters = model::default_parameters(*model::find_law(law), control_points,
+                                                  model::find_strain(measure)->domain);
   return term;
 }
 
@@ -222,7 +255,8 @@ std::string measure_family(const model::Model& model) {
 std::vector<Place> places(const model::Model& model, const Excitation& excitation,
                           bool both_families) {
   constexpr double kDiagonal = 0.78539816339744831;
-  constexpr double kSmallest = 1e-4;  // strains below do not count as excited
+  constexpr double kSmallest = 1e-4;          // strains below do not count as excited
+  constexpr double kSmallestCurvature = 1.0;  // 1/m: a radius of a metre is flat
   std::vector<std::string> families = {measure_family(model)};
   if (both_families && excitation.large_strain)
     families.push_back(families[0] == "green" ? "soft" : "green");
@@ -232,14 +266,20 @@ std::vector<Place> places(const model::Model& model, const Excitation& excitatio
     model::StrainMeasure m;
     m.name = measure;
     m.angle_rad = angle;
-    std::tie(place.lo, place.hi) = estimation::strain_range(m, excitation.curves);
-    if (place.reach() > kSmallest) all.push_back(place);
+    std::tie(place.lo, place.hi) = range_of(excitation, m);
+    const bool bends = model::find_strain(measure)->domain == model::Domain::hinge;
+    if (place.reach() > (bends ? kSmallestCurvature : kSmallest)) all.push_back(place);
   };
   for (const std::string& family : families) {
     add("weft", family + "_u", 0.0);
     add("warp", family + "_v", 0.0);
     if (&family == &families.front()) add("shear", "green_uv", 0.0);
     add("diagonal", family == "green" ? "green_fibre_pair" : "fibre_pair", kDiagonal);
+  }
+  if (excitation.sheet) {
+    add("bend_weft", "bend_u", 0.0);
+    add("bend_warp", "bend_v", 0.0);
+    add("bend_diagonal", "bend_d", 0.0);
   }
   return all;
 }
@@ -260,6 +300,8 @@ std::vector<std::vector<Place>> place_groups(const std::vector<Place>& all) {
   groups.reserve(all.size());
   for (const Place& place : all) groups.push_back({place});
   for (std::size_t i = 0; i + 1 < all.size(); ++i) {
+    if (all[i].name == "bend_weft" && all[i + 1].name == "bend_warp")
+      groups.push_back({all[i], all[i + 1]});
     if (all[i].name != "weft" || all[i + 1].name != "warp") continue;
     groups.push_back({all[i], all[i + 1]});
     for (std::size_t k = i + 2; k < all.size(); ++k) {
@@ -270,11 +312,22 @@ std::vector<std::vector<Place>> place_groups(const std::vector<Place>& all) {
   return groups;
 }
 
+namespace {
+
+std::string words_of_place(const std::string& name) {
+  if (name == "bend_weft") return "bending along the weft";
+  if (name == "bend_warp") return "bending along the warp";
+  if (name == "bend_diagonal") return "bending across the diagonals";
+  return name;
+}
+
+}  // namespace
+
 std::string place_words(const std::vector<Place>& group) {
   std::string words;
   for (std::size_t i = 0; i < group.size(); ++i) {
     if (i > 0) words += i + 1 == group.size() ? " and " : ", ";
-    words += group[i].name;
+    words += words_of_place(group[i].name);
   }
   const std::string& measure = group.front().measure;
   if (measure.starts_with("soft") || measure == "fibre_pair") words += " (engineering strain)";

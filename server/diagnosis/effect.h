@@ -22,6 +22,24 @@
 
 namespace tenter::diagnosis {
 
+/// What sheets excite beside their mean strains.
+struct SheetExcitation {
+  /// Smallest and largest strain of a measure over elements and frames, outliers aside, zero
+  /// included; by measure_key().
+  std::map<std::string, std::pair<double, double>> ranges;
+  /// Of measures of two strains: the largest that both reach in one element of one frame.
+  std::map<std::string, double> together;
+  struct Force {
+    std::string name;  ///< as sensor corrections address it: their `component`
+    std::string capture;
+    double largest_N = 0.0;
+  };
+  std::vector<Force> forces;
+  std::vector<std::string> captures;
+  Eigen::Vector2d lo_m = Eigen::Vector2d::Zero(), hi_m = Eigen::Vector2d::Zero();  ///< (u, v)
+  bool hangs = false;  ///< gravity moves something
+};
+
 /// What the captures excite; made once per diagnosis, read by the effects.
 struct Excitation {
   std::vector<estimation::Curves> curves;
@@ -40,12 +58,21 @@ struct Excitation {
   double shortest_step_s = 1.0;
   bool large_strain = false;           ///< beyond 20 %: Green and engineering measures differ
   std::vector<int> stress_components;  ///< observed, without repetition
+  /// Of a sheet, whose `curves` are the means of its strains over the frames: what its material
+  /// reached, element by element.
+  std::optional<SheetExcitation> sheet;
 
   /// Rates a factor of three apart or a hold: what tells friction from viscosity.
   bool splits_rate() const { return has_rate && (has_hold || rate_span >= 3.0); }
 };
 
 Excitation examine(const std::vector<estimation::Curves>& curves);
+
+/// Name and angle of a measure: a key of SheetExcitation's maps.
+std::string measure_key(const model::StrainMeasure& measure);
+/// Strains of a measure that the captures reach, zero included; {0, 0} where they do not say.
+std::pair<double, double> range_of(const Excitation& excitation,
+                                   const model::StrainMeasure& measure);
 
 /// Sets "term.parameter" or "correction.parameter" to a value.
 using Setting = std::vector<std::pair<std::string, double>>;
@@ -57,6 +84,7 @@ struct Variant {
       replace;                     ///< term id -> law that equals it when off
   std::vector<std::string> unfix;  ///< parameters freed
   std::vector<model::SensorCorrection> corrections;
+  std::vector<model::Field> fields;  ///< samples of the material that supports of `append` refer to
   std::vector<Setting> grid;  ///< start values of what enters nonlinearly; empty: nothing does
   int searched =
       1;  ///< how many places were searched for the likeliest; p values are multiplied by it
@@ -78,7 +106,18 @@ struct Effect {
   std::function<std::vector<Variant>(const model::Model&, const Excitation&)> variants;
   /// Why the captures cannot show it; nothing: they can.
   std::function<std::optional<std::string>(const model::Model&, const Excitation&)> not_excited;
+  /// The same two for sheets, of effects whose parts differ there; none: a material's as above,
+  /// and of a sensor's that sheets cannot show it.
+  std::function<std::vector<Variant>(const model::Model&, const Excitation&)> sheet_variants = {};
+  std::function<std::optional<std::string>(const model::Model&, const Excitation&)>
+      sheet_not_excited = {};
 };
+
+/// Of curves or of sheets, as the excitation is.
+std::vector<Variant> variants_of(const Effect& effect, const model::Model& model,
+                                 const Excitation& excitation);
+std::optional<std::string> why_not_excited(const Effect& effect, const model::Model& model,
+                                           const Excitation& excitation);
 
 /// An effect with the words of its row in common/effects, which must be there.
 Effect described(const std::string& id);
@@ -101,7 +140,7 @@ model::SensorCorrection new_correction(const model::Model& model, const std::str
                                        const std::string& component);
 /// A direction in which an effect can act.
 struct Place {
-  std::string name;  ///< "weft", "warp", "shear", "diagonal"
+  std::string name;  ///< "weft", "warp", "shear", "diagonal"; of sheets also "bend_weft", ...
   std::string measure;
   double angle_rad = 0.0;
   double lo = 0.0;  ///< strains of this measure that the captures reach, zero included

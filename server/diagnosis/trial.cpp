@@ -119,7 +119,8 @@ double joint_relative_error(const Trial& trial, const std::vector<std::size_t>& 
   return wald > 0.0 ? 1.0 / std::sqrt(wald) : 1e300;
 }
 
-/// Is each part that the variant added alive and known to better than a half?
+}  // namespace
+
 void check_parameters(Trial& trial) {
   constexpr double kVague = 0.5;
   const auto names = estimation::parameter_names(trial.model);
@@ -151,6 +152,8 @@ void check_parameters(Trial& trial) {
   for (const model::SensorCorrection& c : trial.variant.corrections)
     check(c.id, model::find_correction(c.type)->parameters.front().value);
 }
+
+namespace {
 
 /// An accident is an event: within a few frames of the place where it is said to be, the residuals
 /// must jump by what the fit says it was. A smooth misfit of one run does not.
@@ -198,24 +201,19 @@ void check_step(Trial& trial, const Reference& before, const std::vector<estimat
   }
 }
 
-/// One comparison on left-out data; the objection to the trial, or nothing.
-std::string held_out_objection(Trial& trial, const Reference& before, const DataPointer& data,
-                               double expected_chi2, const estimation::Folds& folds,
-                               estimation::Evaluator& larger, estimation::Evaluator& smaller) {
-  estimation::FitOptions options;
-  options.max_iterations = 25;
-  options.tolerance = 1e-5;
-  const estimation::HeldOut after = estimation::cross_validate(larger, trial.model, folds, options);
-  const estimation::HeldOut earlier =
-      estimation::cross_validate(smaller, before.model, folds, options);
-  if (!after.usable || !earlier.usable)
-    return "a refit without one of the " + folds.kind + " failed";
-  trial.folds = folds.kind;
+}  // namespace
+
+std::string compare_held_out(Trial& trial, const estimation::HeldOut& earlier,
+                             const estimation::HeldOut& after,
+                             const std::vector<estimation::Row>& rows, int blocks,
+                             const std::string& kind, double expected_chi2) {
+  if (!after.usable || !earlier.usable) return "a refit without one of the " + kind + " failed";
+  trial.folds = kind;
   trial.held_out_before = earlier.chi2;
   trial.held_out_after = after.chi2;
   trial.held_out_residuals = after.residuals;
-  const auto a = chi2_by_block(larger.rows(), after.residuals, data->block_count());
-  const auto b = chi2_by_block(larger.rows(), earlier.residuals, data->block_count());
+  const auto a = chi2_by_block(rows, after.residuals, blocks);
+  const auto b = chi2_by_block(rows, earlier.residuals, blocks);
   double mean = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) mean += (b[i] - a[i]) / static_cast<double>(a.size());
   double variance = 0.0;
@@ -227,10 +225,26 @@ std::string held_out_objection(Trial& trial, const Reference& before, const Data
   const double share = earlier.left_out.sum() / static_cast<double>(earlier.left_out.size());
   const double above_noise = std::max(0.0, earlier.chi2 - expected_chi2 * share);
   if (gain < trial.held_out_error)
-    return "on left-out " + folds.kind + " the gain is within its own standard error";
+    return "on left-out " + kind + " the gain is within its own standard error";
   if (gain < 0.05 * above_noise)
-    return "on left-out " + folds.kind + " it gains less than 5 % of what is above the noise";
+    return "on left-out " + kind + " it gains less than 5 % of what is above the noise";
   return "";
+}
+
+namespace {
+
+/// One comparison on left-out data; the objection to the trial, or nothing.
+std::string held_out_objection(Trial& trial, const Reference& before, const DataPointer& data,
+                               double expected_chi2, const estimation::Folds& folds,
+                               estimation::Evaluator& larger, estimation::Evaluator& smaller) {
+  estimation::FitOptions options;
+  options.max_iterations = 25;
+  options.tolerance = 1e-5;
+  const estimation::HeldOut after = estimation::cross_validate(larger, trial.model, folds, options);
+  const estimation::HeldOut earlier =
+      estimation::cross_validate(smaller, before.model, folds, options);
+  return compare_held_out(trial, earlier, after, larger.rows(), data->block_count(), folds.kind,
+                          expected_chi2);
 }
 
 /// The hardest kind of left-out data that can judge the trial counts: at least two folds of it in

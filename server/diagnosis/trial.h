@@ -54,6 +54,16 @@ double information(double chi2, int parameters, int added_effects, double rows);
 /// Fills p_value, the held-out scores and the objections.
 void judge(Trial& trial, const Reference& before, const DataPointer& data, double expected_chi2);
 
+/// Is each part that the variant added alive and known to better than a half? Adds objections.
+void check_parameters(Trial& trial);
+
+/// Fills the scores of the trial on left-out data from both models' residuals there; the objection
+/// to it, or nothing.
+std::string compare_held_out(Trial& trial, const estimation::HeldOut& earlier,
+                             const estimation::HeldOut& after,
+                             const std::vector<estimation::Row>& rows, int blocks,
+                             const std::string& kind, double expected_chi2);
+
 /// Share of what `before` missed beyond `expected_chi2` that `after` explains.
 double explained_share(double before, double after, double expected_chi2);
 

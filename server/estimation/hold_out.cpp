@@ -116,7 +116,7 @@ void keep_determined(Folds& folds, const FitResult& larger, const std::vector<st
   });
 }
 
-HeldOut cross_validate(Evaluator& evaluator, const model::Model& model, const Folds& folds,
+HeldOut cross_validate(ResidualFunction& evaluator, const model::Model& model, const Folds& folds,
                        const FitOptions& options) {
   HeldOut result;
   if (folds.training.empty()) return result;

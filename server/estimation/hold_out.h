@@ -41,7 +41,7 @@ struct HeldOut {
 };
 
 /// Refits without each fold, starting from the model's values.
-HeldOut cross_validate(Evaluator& evaluator, const model::Model& model, const Folds& folds,
+HeldOut cross_validate(ResidualFunction& evaluator, const model::Model& model, const Folds& folds,
                        const FitOptions& options);
 
 }  // namespace tenter::estimation

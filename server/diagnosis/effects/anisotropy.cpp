@@ -24,6 +24,7 @@ Effect anisotropy() {
     return variants;
   };
   effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
+    if (e.sheet) return std::nullopt;  // a sheet is seen in all of them
     int directions = 0;
     for (const auto& c : e.curves) directions += c.path.axis_angle_rad != 0.0 ? 1 : 0;
     if (e.stress_components.size() + static_cast<std::size_t>(directions) < 2)

@@ -26,6 +26,10 @@ std::vector<Modes> pairs_of(const model::Model& model) {
 double reach_together(const char* name, const Excitation& excitation) {
   model::StrainMeasure description;
   description.name = name;
+  if (excitation.sheet) {
+    const auto found = excitation.sheet->together.find(measure_key(description));
+    return found == excitation.sheet->together.end() ? 0.0 : found->second;
+  }
   const auto measure = mechanics::StrainMeasure::make(description);
   mechanics::StrainValue value;
   double reach = 0.0;

@@ -32,6 +32,7 @@ Effect poisson_coupling() {
     return variants;
   };
   effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
+    if (e.sheet) return std::nullopt;  // its points say how it narrows
     for (const auto& c : e.curves)
       for (const auto& channel : c.channels)
         if (!channel.is_stress || e.stress_components.size() > 1) return std::nullopt;

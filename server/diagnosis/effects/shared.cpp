@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/model/catalogue.h"
 #include "server/diagnosis/effects/effects.h"
 
 namespace tenter::diagnosis {
@@ -18,6 +19,10 @@ void bound_parameter(model::Law& law, const std::string& name, double lower, dou
 bool same_measure(const model::StrainMeasure& measure, const Place& place) {
   const std::string& name = measure.name;
   const auto ends = [&](const char* suffix) { return name.ends_with(suffix); };
+  const model::StrainRow* row = model::find_strain(name);
+  if (place.name.starts_with("bend_")) return name == place.measure;
+  if ((row != nullptr && row->domain == model::Domain::hinge) || name.starts_with("ring2_"))
+    return false;
   if (place.name == "weft") return ends("_u");
   if (place.name == "warp") return ends("_v") && !ends("_uv");
   if (place.name == "shear") return ends("_uv");

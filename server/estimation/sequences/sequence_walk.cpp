@@ -121,7 +121,8 @@ void SequenceEvaluator::walk_remembering(std::size_t s, int from, int thread,
     FrameWork& work = *frames_[s][f];
     FrameWork::Slot& slot = work.slots[last_];
     const auto& measured = sequence.frames[f].start;
-    const State& near = before ? before->state : measured ? *measured : sequence.start;
+    const bool is_rest = measured && options_.starts_are_near;
+    const State& near = before && !is_rest ? before->state : measured ? *measured : sequence.start;
     if (from >= 0)
       start_from(work, from, bound_[s]->columns, parameters, slot.state);
     else
@@ -142,7 +143,8 @@ void SequenceEvaluator::walk_remembering(std::size_t s, int from, int thread,
       work.failure.clear();
       return solve_frame(s, f, thread, parameters, {is_near, may_predict, wanted, &slot.start});
     };
-    bool is_solved = solve(from >= 0 || before != nullptr, from < 0 && before != nullptr);
+    bool is_solved =
+        solve(from >= 0 || before != nullptr || is_rest, from < 0 && before != nullptr && !is_rest);
     for (const State* start : {&near, measured ? &*measured : nullptr}) {
       if (is_solved || !start) continue;
       slot.state = *start;

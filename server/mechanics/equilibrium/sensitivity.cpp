@@ -218,6 +218,18 @@ Expected<Sensitivity> sensitivity_along_path(EquilibriumSolver& solver,
   return result;
 }
 
+Expected<Sensitivity> sensitivity_by_force(EquilibriumSolver& solver,
+                                           const Eigen::VectorXd& parameters, const State& state,
+                                           const Eigen::MatrixXd& partial) {
+  if (partial.rows() != state.x.size())
+    return bad_input("the change of the forces has " + std::to_string(partial.rows()) +
+                     " rows instead of " + std::to_string(state.x.size()));
+  auto compliance = Compliance::at(solver, parameters, state);
+  if (!compliance) return tl::unexpected(compliance.error());
+  return answer(solver, *compliance, partial,
+                Eigen::MatrixXd::Zero(compliance->limit_normals().cols(), partial.cols()));
+}
+
 /// G at fixed x is left as it is: what the multipliers do to it is among the unknowns.
 Expected<Sensitivity> sensitivity_by_energy_max(EquilibriumSolver& solver,
                                                 const Eigen::VectorXd& parameters,

@@ -71,6 +71,12 @@ Expected<Sensitivity> sensitivity_along_path(EquilibriumSolver& solver,
                                              Eigen::MatrixXd& history_change,
                                              const OuterChange* outer = nullptr);
 
+/// By forces that the model does not have: each column of `partial` is the change of G (N per unit,
+/// over all nodes) at fixed x, of a term that is switched off, say.
+Expected<Sensitivity> sensitivity_by_force(EquilibriumSolver& solver,
+                                           const Eigen::VectorXd& parameters, const State& state,
+                                           const Eigen::MatrixXd& partial);
+
 /// By psi_max of an energy limit, one column: the density of its elements at the limit moves with
 /// psi_max. Zero where none is there, or the model has no limit of this id.
 Expected<Sensitivity> sensitivity_by_energy_max(EquilibriumSolver& solver,

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How large is the noise of a sheet's channels? What a capture states may be wrong by a factor.
+//
+// From the residuals of a fit, in sigmas as stated, for each kind of channel of each sequence (of
+// forces, which are few, scatter is that of all sequences together):
+//
+//   repeats   sequences of one protocol with equal poses: rms of (r_a - r_b) / sqrt 2
+//   scatter   robust spread (1.48 median magnitude) of what is left of a reading when its
+//             neighbours in time and, of points, in the material are taken away:
+//             d = [r(f) - (r(f-1) + r(f+1))/2] / sqrt 1.5,  then less the mean of the nearest
+//             points'
+//   stated    where neither can be had
+//
+// A smooth misfit is no scatter, and misfits that jump are few: the median does not see them. The
+// stated value stays where what is shown is within a quarter of it, or within three of its own
+// errors (1.6 over the root of how many differences there are): a handful of forces knows no
+// better.
+//
+//   const FieldNoise noise = estimate_field_noise(data, rows, residuals);
+//   data = reweighed(data, noise);                                // and fit again
+//
+// Pure; linear in the rows.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/diagnosis/field/data/field_fit.h"
+#include "server/estimation/noise.h"
+#include "server/estimation/sequences/observations.h"
+
+namespace tenter::diagnosis {
+
+struct FieldNoise {
+  struct Kind {
+    int sequence = 0;
+    estimation::ObservationKind kind = estimation::ObservationKind::position;
+    int rows = 0;
+    double stated = 0.0;    ///< rms of the channels' sigmas: m or N
+    double shown = 0.0;     ///< the same by repeats or scatter; 0: cannot be had
+    double factor = 1.0;    ///< on the sigmas
+    double known_of = 0.0;  ///< independent readings that `shown` is worth
+    estimation::NoiseSource source = estimation::NoiseSource::declared;
+  };
+  std::vector<Kind> kinds;  ///< in the order of kind_places()
+};
+
+FieldNoise estimate_field_noise(const FieldData& data, const std::vector<estimation::Row>& rows,
+                                const Eigen::VectorXd& residuals);
+
+/// The sigmas times their factors.
+FieldData reweighed(FieldData data, const FieldNoise& noise);
+
+/// One noise after another on the same data: factors multiply, stated values are the first's.
+FieldNoise combined(FieldNoise first, const FieldNoise& second);
+
+}  // namespace tenter::diagnosis

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/diagnosis/field/diagnose_sheet.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "server/diagnosis/field/field_gain.h"
+#include "server/diagnosis/field/field_verdicts.h"
+#include "server/diagnosis/field/grid_check.h"
+#include "server/diagnosis/field/prepare_sheet.h"
+#include "server/diagnosis/field/screen/field_screen.h"
+#include "server/diagnosis/model_edit.h"
+#include "server/diagnosis/screening/score_test.h"
+#include "server/diagnosis/screening/shortlist.h"
+#include "server/estimation/parallel.h"
+
+namespace tenter::diagnosis {
+namespace {
+
+/// What the rounds change: the model so far and what was taken into it.
+struct Chain {
+  const SheetRequest& request;
+  const Control& control;
+  SheetDiagnosis& d;
+  FieldFit current;
+  FieldFit held_out;  ///< of the current model
+  std::vector<FieldFinding> accepted;
+
+  bool stopped() const { return control.stop.stop_requested(); }
+  HeldOutSheets held_out_sheets() const {
+    return {d.held_out.sequences.empty() ? nullptr : &d.held_out, held_out};
+  }
+};
+
+PathStep step_of(const std::string& action, const std::string& effect, const std::string& why,
+                 const FieldFit& at, const SheetDiagnosis& d) {
+  PathStep step;
+  step.action = action;
+  step.effect = effect;
+  step.why = why;
+  step.chi2 = at.at.fit.chi2;
+  step.error = score_of_forces(d.data, at).error;
+  step.parameters = free_count(at.at.model);
+  step.information = information(at.at.fit.chi2, step.parameters, 0, at.at.fit.effective_rows);
+  return step;
+}
+
+void take(Chain& chain, const FieldTrial& trial) {
+  chain.current = {{trial.trial.model, trial.trial.fit, trial.trial.block_chi2},
+                   trial.states,
+                   chain.current.rows};
+  if (chain.d.held_out.sequences.empty()) return;
+  auto foretold = predict_field(chain.current.at.model, chain.d.held_out, chain.held_out.states,
+                                field_options(chain.control));
+  if (foretold) chain.held_out = std::move(*foretold);
+}
+
+/// Refits the short list, each trial in a thread of its own; best first.
+std::vector<FieldTrial> refit_all(const std::vector<Candidate>& candidates, const Chain& chain) {
+  std::vector<FieldTrial> trials(candidates.size());
+  FieldFitOptions options = field_options(chain.control);
+  options.threads = 1;
+  estimation::in_parallel(
+      chain.control.threads, static_cast<int>(candidates.size()), [&](int, int i) {
+        if (chain.stopped()) return;
+        const auto k = static_cast<std::size_t>(i);
+        trials[k] = refit_field(candidates[k], chain.current, chain.d.data, options);
+      });
+  std::erase_if(trials, [](const FieldTrial& t) { return !t.trial.fit.usable; });
+  double rows = chain.current.at.fit.effective_rows;
+  for (const FieldTrial& t : trials) rows = std::max(rows, t.trial.fit.effective_rows);
+  const int added = static_cast<int>(chain.accepted.size()) + 1;
+  std::stable_sort(trials.begin(), trials.end(), [&](const FieldTrial& a, const FieldTrial& b) {
+    return information(a.trial.fit.chi2, a.trial.parameters, added, rows) <
+           information(b.trial.fit.chi2, b.trial.parameters, added, rows);
+  });
+  return trials;
+}
+
+/// A refit of a sheet costs: of each effect the best few, and none that the screen expects to
+/// explain less than half of what the best does.
+std::vector<Candidate> worth_a_refit(const Screen& screen, const estimation::FitResult& fit) {
+  constexpr std::size_t kEffects = 4;
+  constexpr int kVariants = 3;
+  constexpr double kShare = 0.5;
+  std::vector<Candidate> candidates = shortlist(screen, fit, kEffects);
+  double best = 0.0;
+  for (const Candidate& c : candidates) best = std::max(best, c.gain);
+  std::map<const Effect*, int> taken;
+  std::erase_if(candidates, [&](const Candidate& c) {
+    return c.gain < kShare * best || ++taken[c.effect] > kVariants;
+  });
+  return candidates;
+}
+
+/// Other effects whose columns span nearly the same as the chosen candidate's.
+std::vector<LookAlike> look_alikes(const Screen& screen, const Trial& chosen) {
+  constexpr double kAlike = 0.95;
+  const Candidate* own = nullptr;
+  for (const Candidate& c : screen.candidates)
+    if (c.effect == chosen.effect && c.variant.words == chosen.variant.words && !own) own = &c;
+  std::map<std::string, double> best;
+  if (own != nullptr)
+    for (const Candidate& c : screen.candidates) {
+      // what spans more contains the smaller one: that says nothing against it
+      if (c.effect == chosen.effect || c.df > own->df || c.space.rows() != own->space.rows())
+        continue;
+      double& largest = best[c.effect->id];
+      largest = std::max(largest, canonical_correlation(own->space, c.space));
+    }
+  std::vector<LookAlike> alike;
+  for (const auto& [id, correlation] : best)
+    if (correlation > kAlike)
+      alike.push_back({id, correlation, own->gain * (1.0 - correlation * correlation)});
+  return alike;
+}
+
+/// Forward: one effect at a time, the best that passes, until none does.
+Expected<void> go_forward(Chain& chain) {
+  SheetDiagnosis& d = chain.d;
+  const Options& asked = chain.request.options;
+  for (int round = 0; round < asked.max_effects; ++round) {
+    const double fraction = 0.1 + 0.7 * round / std::max(1, asked.max_effects);
+    chain.control.report({"screen", "round " + std::to_string(round + 1), round,
+                          chain.current.at.fit.chi2, fraction});
+    const auto found = screen_field(
+        chain.current, d.data, d.excitation,
+        {asked.null_twins, asked.seed + 1000ULL * static_cast<unsigned long long>(round), true},
+        chain.control.threads);
+    if (!found) return tl::unexpected(found.error());
+    if (round == 0) d.first_screen = *found;
+    const std::vector<Candidate> candidates = worth_a_refit(*found, chain.current.at.fit);
+    if (candidates.empty() || chain.stopped()) return {};
+    chain.control.report({"refit", candidates.front().effect->id, round, chain.current.at.fit.chi2,
+                          fraction + 0.03});
+    std::vector<FieldTrial> trials = refit_all(candidates, chain);
+    std::size_t chosen = trials.size();
+    for (std::size_t i = 0; i < trials.size() && chosen == trials.size(); ++i) {
+      if (chain.stopped()) return {};
+      Trial& trial = trials[i].trial;
+      chain.control.report({"gates", trial.effect->id + ", " + trial.variant.words, round,
+                            trial.fit.chi2, fraction + 0.06});
+      judge_field(trials[i], chain.current, d.data, chain.held_out_sheets(), found->expected_chi2,
+                  field_options(chain.control));
+      if (trial.objections.empty()) {
+        chosen = i;
+        continue;
+      }
+      const FieldFit at{{trial.model, trial.fit, trial.block_chi2}, {}, chain.current.rows};
+      PathStep step = step_of("reject", trial.effect->id,
+                              trial.variant.words + ": " + trial.objections.front(), at, d);
+      step.p_value = trial.p_value;
+      d.path.push_back(std::move(step));
+    }
+    if (chosen == trials.size()) return {};
+    FieldFinding finding;
+    finding.trial = trials[chosen].trial;
+    finding.before_chi2 = chain.current.at.fit.chi2;
+    finding.look_alikes = look_alikes(*found, finding.trial);
+    for (std::size_t i = 0; i < trials.size(); ++i)
+      if (i != chosen && trials[i].trial.effect != finding.trial.effect)
+        finding.rivals.push_back(trials[i].trial);
+    take(chain, trials[chosen]);
+    PathStep step =
+        step_of("add", finding.trial.effect->id, finding.trial.variant.words, chain.current, d);
+    step.p_value = finding.trial.p_value;
+    d.path.push_back(std::move(step));
+    chain.accepted.push_back(std::move(finding));
+  }
+  return {};
+}
+
+/// Takes an effect out, refits, and keeps it out where `why_needless` says so of the refit.
+template <class WhyNeedless>
+void drop_where(Chain& chain, WhyNeedless&& why_needless) {
+  std::set<std::string> ids;
+  for (const FieldFinding& f : chain.accepted) ids.insert(f.trial.effect->id);
+  for (const std::string& id : ids) {
+    if (chain.stopped()) return;
+    auto reduced = fit_field(without(chain.current.at.model, id, chain.d.baseline.at.model),
+                             chain.d.data, chain.current.states, field_options(chain.control));
+    if (!reduced) continue;
+    const std::string why = why_needless(id, *reduced);
+    if (why.empty()) continue;
+    chain.current = std::move(*reduced);
+    std::erase_if(chain.accepted, [&](const FieldFinding& f) { return f.trial.effect->id == id; });
+    chain.d.path.push_back(step_of("drop", id, why, chain.current, chain.d));
+  }
+}
+
+/// Backward: what later additions made needless goes.
+void go_backward(Chain& chain) {
+  if (chain.accepted.size() < 2) return;
+  drop_where(chain, [&](const std::string&, const FieldFit& reduced) {
+    const estimation::FitResult& whole = chain.current.at.fit;
+    const double rows = std::max(whole.effective_rows, reduced.at.fit.effective_rows);
+    const int parameters = free_count(chain.current.at.model);
+    const int added = std::max(1, parameters - free_count(reduced.at.model));
+    const double p = f_test(reduced.at.fit.chi2, whole.chi2, added, parameters, rows);
+    return p >= 1e-3 ? "what was added later made it needless (p = " + std::to_string(p) + ")"
+                     : std::string();
+  });
+}
+
+/// Where the model still misses more than the noise, an effect that explained little of what was
+/// missed when it came in is a stand-in for something that the catalogue lacks: it gets no name.
+void drop_stand_ins(Chain& chain) {
+  SheetDiagnosis& d = chain.d;
+  const double expected = expected_chi2(d.baseline);
+  if (!(d.last_screen.lack_of_fit > 1.0) || chain.current.at.fit.chi2 <= 1.1 * expected) return;
+  const double missed = d.baseline.at.fit.chi2 - expected;
+  const double left = missed > 0.0 ? (chain.current.at.fit.chi2 - expected) / missed : 0.0;
+  const double least_share = left > 0.25 ? 0.5 : 0.35;
+  std::map<std::string, double> best;
+  for (const FieldFinding& f : chain.accepted) {
+    double& share = best[f.trial.effect->id];
+    share = std::max(share, explained_share(f.before_chi2, f.trial.fit.chi2, expected));
+  }
+  drop_where(chain, [&](const std::string& id, const FieldFit&) {
+    return best[id] < least_share
+               ? "it explains little of what is missed, and much stays unexplained: a stand-in"
+               : std::string();
+  });
+}
+
+Expected<void> look_again(Chain& chain) {
+  auto found = screen_field(chain.current, chain.d.data, chain.d.excitation,
+                            {chain.request.options.null_twins, chain.request.options.seed + 99},
+                            chain.control.threads);
+  if (!found) return tl::unexpected(found.error());
+  chain.d.last_screen = std::move(*found);
+  return {};
+}
+
+void name_extended(Chain& chain) {
+  model::Model& model = chain.d.extended.at.model;
+  model.name = chain.request.model.name + (chain.accepted.empty() ? "" : ", extended");
+  model::Lineage lineage;
+  lineage.parent = chain.request.model.name;
+  for (const FieldFinding& f : chain.accepted) lineage.added.push_back(f.trial.effect->id);
+  lineage.captures = chain.d.data.ids;
+  model.lineage = lineage;
+}
+
+}  // namespace
+
+Expected<SheetDiagnosis> diagnose_sheets(const SheetRequest& request, const Control& control) {
+  auto prepared = prepare_sheets(request, control);
+  if (!prepared) return prepared;
+  SheetDiagnosis& d = *prepared;
+  if (auto ok = check_grid(request, control, d); !ok) return tl::unexpected(ok.error());
+  Chain chain{request, control, d, d.baseline, d.held_out_baseline, {}};
+  d.path.push_back(step_of("start", "", request.model.name, d.baseline, d));
+  const auto cancelled = [] {
+    return fail(ErrorKind::cancelled, "stopped while effects were being tried");
+  };
+  if (auto ok = go_forward(chain); !ok) return tl::unexpected(ok.error());
+  if (chain.stopped()) return cancelled();
+  go_backward(chain);
+  if (auto ok = look_again(chain); !ok) return tl::unexpected(ok.error());
+  const std::size_t found = chain.accepted.size();
+  drop_stand_ins(chain);
+  if (chain.stopped()) return cancelled();
+  if (chain.accepted.size() < found)
+    if (auto ok = look_again(chain); !ok) return tl::unexpected(ok.error());
+  d.extended = chain.current;
+  name_extended(chain);
+  d.findings = std::move(chain.accepted);
+  control.report({"held out", "", 0, d.extended.at.fit.chi2, 0.9});
+  measure_sheet_gain(d, request, control);
+  control.report({"verdicts", "", 0, d.extended.at.fit.chi2, 0.95});
+  pass_sheet_verdicts(d, request, control);
+  return prepared;
+}
+
+}  // namespace tenter::diagnosis

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/diagnosis/field/field_trial.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "server/diagnosis/field/data/structure.h"
+
+namespace tenter::diagnosis {
+namespace {
+
+FieldTrial trial_of(FieldFit fit) {
+  FieldTrial result;
+  result.trial.model = std::move(fit.at.model);
+  result.trial.fit = std::move(fit.at.fit);
+  result.trial.block_chi2 = std::move(fit.at.block_chi2);
+  result.states = std::move(fit.states);
+  return result;
+}
+
+FieldFit fit_of(const FieldTrial& trial, const FieldFit& before) {
+  return {{trial.trial.model, trial.trial.fit, trial.trial.block_chi2}, trial.states, before.rows};
+}
+
+/// Largest share, over kinds of channels, of the noise's power there that is explained: forces are
+/// few among thousands of positions.
+double share_of_noise(const FieldFit& before, const FieldTrial& after, const FieldData& data) {
+  const std::vector<int> places = kind_places(data.sequences, before.rows);
+  std::vector<double> gain;
+  std::vector<double> rows;
+  for (std::size_t r = 0; r < places.size(); ++r) {
+    const auto p = static_cast<std::size_t>(places[r]);
+    if (gain.size() <= p) {
+      gain.resize(p + 1, 0.0);
+      rows.resize(p + 1, 0.0);
+    }
+    const auto k = static_cast<Eigen::Index>(r);
+    gain[p] += std::pow(before.at.fit.residuals[k], 2) - std::pow(after.trial.fit.residuals[k], 2);
+    rows[p] += 1.0;
+  }
+  double largest = 0.0;
+  for (std::size_t p = 0; p < gain.size(); ++p)
+    if (rows[p] > 0.0) largest = std::max(largest, gain[p] / rows[p]);
+  return largest;
+}
+
+/// Expected square by which a fit to the rest errs on what is left out, tr(J_o (J_t'J_t)^-1 J_o')
+/// in noises of the size that the fit leaves; infinite where the rest does not determine it.
+double blur(const estimation::FitResult& fit, const Eigen::VectorXd& training) {
+  std::vector<Eigen::Index> moving;
+  for (std::size_t i = 0; i < fit.states.size(); ++i)
+    if (fit.states[i] == estimation::ParameterState::free)
+      moving.push_back(static_cast<Eigen::Index>(i));
+  if (moving.empty()) return 0.0;
+  Eigen::MatrixXd j = fit.jacobian(Eigen::indexing::all, moving);
+  for (Eigen::Index c = 0; c < j.cols(); ++c) j.col(c) /= std::max(1e-300, j.col(c).norm());
+  const Eigen::MatrixXd all = j.transpose() * j;
+  const Eigen::MatrixXd rest = j.transpose() * training.asDiagonal() * j;
+  const Eigen::LDLT<Eigen::MatrixXd> factor(
+      rest + 1e-10 * Eigen::MatrixXd::Identity(rest.rows(), rest.cols()));
+  const double noise = std::max(1.0, fit.chi2 / static_cast<double>(fit.residuals.size()));
+  return noise * factor.solve(all - rest).trace();
+}
+
+estimation::HeldOut as_held_out(const FieldFit& fit) {
+  estimation::HeldOut result;
+  result.usable = fit.at.fit.usable;
+  result.chi2 = fit.at.fit.chi2;
+  result.residuals = fit.at.fit.residuals;
+  result.left_out = Eigen::VectorXd::Ones(result.residuals.size());
+  return result;
+}
+
+std::string held_out_objection(FieldTrial& trial, const FieldFit& before, const FieldData& data,
+                               const HeldOutSheets& held_out, double expected_chi2,
+                               const FieldFitOptions& options) {
+  if (held_out.data != nullptr) {
+    const auto after =
+        predict_field(trial.trial.model, *held_out.data, held_out.before.states, options);
+    if (!after) return "it has no rest on the captures that are held out";
+    return compare_held_out(trial.trial, as_held_out(held_out.before), as_held_out(*after),
+                            after->rows, held_out.data->block_count(), "captures",
+                            static_cast<double>(after->rows.size()));
+  }
+  const FieldFit larger = fit_of(trial, before);
+  const estimation::Folds folds = telling_folds(larger, before, data);
+  if (folds.training.empty()) return "there is nothing that could be left out";
+  const estimation::HeldOut after = cross_validate_field(larger, data, folds, options);
+  const estimation::HeldOut earlier = cross_validate_field(before, data, folds, options);
+  return compare_held_out(trial.trial, earlier, after, before.rows, data.block_count(), folds.kind,
+                          expected_chi2);
+}
+
+}  // namespace
+
+estimation::Folds telling_folds(const FieldFit& larger, const FieldFit& smaller,
+                                const FieldData& data) {
+  constexpr double kShown = 0.02;   // of the whole gain, by what is left out
+  constexpr double kBlurred = 0.5;  // of the gain there, by what the rest does not know
+  const Eigen::VectorXd gain =
+      smaller.at.fit.residuals.cwiseAbs2() - larger.at.fit.residuals.cwiseAbs2();
+  const double whole = gain.sum();
+  for (const char* kind : {"protocols", "captures", "blocks"}) {
+    estimation::Folds folds = field_folds(data, larger.rows, kind);
+    std::erase_if(folds.training, [&](const Eigen::VectorXd& training) {
+      const Eigen::VectorXd left_out = Eigen::VectorXd::Ones(training.size()) - training;
+      const double shown = gain.dot(left_out);
+      return shown < kShown * whole || blur(larger.at.fit, training) > kBlurred * shown;
+    });
+    if (folds.training.size() >= 2) return folds;
+  }
+  return {};
+}
+
+FieldTrial refit_field(const Candidate& candidate, const FieldFit& base, const FieldData& data,
+                       const FieldFitOptions& options) {
+  const auto fitted_from = [&](const Setting& setting) {
+    const model::Model start =
+        extend(base.at.model, candidate.variant, setting, candidate.effect->id);
+    auto fit = fit_field(start, data, base.states, options);
+    return fit ? trial_of(std::move(*fit)) : FieldTrial{};
+  };
+  FieldTrial result = fitted_from(candidate.setting);
+  if (!result.trial.fit.usable || result.trial.fit.chi2 > base.at.fit.chi2 - 0.5 * candidate.gain) {
+    FieldTrial again = fitted_from(candidate.point);
+    if (again.trial.fit.usable &&
+        (!result.trial.fit.usable || again.trial.fit.chi2 < result.trial.fit.chi2))
+      result = std::move(again);
+  }
+  result.trial.effect = candidate.effect;
+  result.trial.variant = candidate.variant;
+  result.trial.ratio = candidate.ratio;
+  if (result.trial.fit.usable) result.trial.parameters = free_count(result.trial.model);
+  return result;
+}
+
+void judge_field(FieldTrial& field, const FieldFit& before, const FieldData& data,
+                 const HeldOutSheets& held_out, double expected_chi2,
+                 const FieldFitOptions& options) {
+  Trial& trial = field.trial;
+  if (!trial.fit.usable) {
+    trial.objections.push_back("the refit failed: " + trial.fit.message);
+    return;
+  }
+  const estimation::FitResult& earlier = before.at.fit;
+  const double rows = std::max(trial.fit.effective_rows, earlier.effective_rows);
+  const int added = std::max(1, trial.parameters - free_count(before.at.model));
+  trial.p_value = std::min(1.0, trial.variant.searched * f_test(earlier.chi2, trial.fit.chi2, added,
+                                                                trial.parameters, rows));
+  trial.explained = explained_share(earlier.chi2, trial.fit.chi2, expected_chi2);
+  constexpr double kSmallest = 0.05;  // of the noise's power: what is smaller matters to nobody
+  if (share_of_noise(before, field, data) < kSmallest)
+    trial.objections.push_back("what it explains is far below the noise");
+  if (trial.p_value >= 1e-3)
+    trial.objections.push_back("an F test on independent rows gives it p = " +
+                               std::to_string(trial.p_value));
+  check_parameters(trial);
+  if (!trial.effect->in_every_run || !trial.objections.empty()) return;
+  const std::string objection =
+      held_out_objection(field, before, data, held_out, expected_chi2, options);
+  if (!objection.empty()) trial.objections.push_back(objection);
+}
+
+}  // namespace tenter::diagnosis

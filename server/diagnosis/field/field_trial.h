@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One candidate refitted to sheets, and whether it may be believed (design, step 7): what `trial.h`
+// is to curves, with the same gates.
+#pragma once
+
+#include "server/diagnosis/field/data/field_fit.h"
+#include "server/diagnosis/trial.h"
+
+namespace tenter::diagnosis {
+
+struct FieldTrial {
+  Trial trial;  ///< its fit `usable` where the refit went well
+  FieldStates states;
+};
+
+/// From where `base` rests, with the amplitudes that the screen expects; where that leads too far,
+/// once more from "off".
+FieldTrial refit_field(const Candidate& candidate, const FieldFit& base, const FieldData& data,
+                       const FieldFitOptions& options);
+
+/// Rows that no fit sees, and how both models miss them.
+struct HeldOutSheets {
+  const FieldData* data = nullptr;  ///< null: there are none
+  FieldFit before;                  ///< of the model that trials are compared with
+};
+
+/// Fills p_value, the held-out scores and the objections. What is left out: the sheets that are
+/// held out; else protocols, captures or blocks in turn, the first kind of which two folds can
+/// judge.
+void judge_field(FieldTrial& trial, const FieldFit& before, const FieldData& data,
+                 const HeldOutSheets& held_out, double expected_chi2,
+                 const FieldFitOptions& options);
+
+/// The folds that can judge what `larger` adds: the rest determines it, and what is left out shows
+/// it. Fewer than two: empty.
+estimation::Folds telling_folds(const FieldFit& larger, const FieldFit& smaller,
+                                const FieldData& data);
+
+}  // namespace tenter::diagnosis

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/diagnosis/field/prepare_sheet.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "server/diagnosis/field/screen/field_excitation.h"
+#include "server/estimation/staged/resting_frames.h"
+#include "server/estimation/staged/stage.h"
+
+namespace tenter::diagnosis {
+namespace {
+
+/// Sequences of one kind; those that say nothing of time get a second a frame.
+FieldData gathered(const SheetRequest& request, bool held_out) {
+  FieldData data;
+  for (const SheetSequence& s : request.sequences) {
+    if (s.held_out != held_out) continue;
+    data.sequences.push_back(s.sequence);
+    estimation::Sequence& sequence = data.sequences.back();
+    sequence.weight = 1.0;
+    const bool has_clock = std::any_of(sequence.frames.begin(), sequence.frames.end(),
+                                       [](const auto& frame) { return frame.duration_s > 0.0; });
+    if (!has_clock)
+      for (std::size_t f = 1; f < sequence.frames.size(); ++f) sequence.frames[f].duration_s = 1.0;
+    data.ids.push_back(s.id);
+    data.protocols.push_back(s.title);
+    data.has_clock.push_back(has_clock);
+  }
+  return data;
+}
+
+/// A joint stage of the staged fit: its start is the equation gap's where that is the better one,
+/// and frames without rest are left out.
+Expected<model::Model> started(const SheetRequest& request, const Control& control,
+                               SheetDiagnosis& d) {
+  estimation::StageTask task;
+  task.name = "all";
+  task.refine = false;
+  for (const model::Term& term : request.model.terms) task.terms.push_back(term.id);
+  for (const estimation::Sequence& sequence : d.data.sequences)
+    task.sequences.push_back({estimation::Role::evaluation, sequence});
+  estimation::StageOptions options;
+  options.threads = control.threads;
+  options.channels = estimation::Channels::all;
+  options.on_progress = [&](const estimation::StageProgress& p) {
+    control.report({"start", request.model.name, p.iteration, p.cost, 0.02});
+    return !control.stop.stop_requested();
+  };
+  model::Model model = request.model;
+  auto record = estimation::fit_stage(model, task, options);
+  if (!record) return tl::unexpected(record.error());
+  if (!record->done)
+    return bad_input("the model \"" + request.model.name +
+                     "\" cannot be fitted to these captures: " + record->message);
+  for (const auto& frame : record->dropped)
+    d.dropped.push_back(frame.sequence + ", frame " + std::to_string(frame.frame) + ": " +
+                        frame.reason);
+  for (std::size_t s = 0; s < d.data.sequences.size(); ++s) {
+    std::vector<int> kept;
+    for (int f = 0; f < static_cast<int>(d.data.sequences[s].frames.size()); ++f) {
+      const bool is_dropped =
+          std::any_of(record->dropped.begin(), record->dropped.end(), [&](const auto& frame) {
+            return frame.sequence == d.data.sequences[s].name && frame.frame == f + 1;
+          });
+      if (!is_dropped) kept.push_back(f);
+    }
+    if (kept.size() < d.data.sequences[s].frames.size())
+      estimation::keep_frames(d.data.sequences[s], kept);
+  }
+  return model;
+}
+
+}  // namespace
+
+FieldFitOptions field_options(const Control& control) {
+  FieldFitOptions options;
+  options.threads = control.threads;
+  options.on_iteration = [&control](int, double) { return !control.stop.stop_requested(); };
+  return options;
+}
+
+Expected<SheetDiagnosis> prepare_sheets(const SheetRequest& request, const Control& control) {
+  SheetDiagnosis d;
+  d.data = gathered(request, false);
+  d.held_out = gathered(request, true);
+  if (d.data.sequences.empty()) return bad_input("all captures are held out: none is left to fit");
+  auto model = started(request, control, d);
+  if (!model) return tl::unexpected(model.error());
+  FieldFitOptions options = field_options(control);
+  options.on_iteration = [&](int iteration, double cost) {
+    control.report({"baseline", request.model.name, iteration, cost, 0.06});
+    return !control.stop.stop_requested();
+  };
+  auto fit = fit_field(*model, d.data, {}, options);
+  // noise and fit depend on each other's weights: twice is enough
+  for (int pass = 0; pass < 2 && fit; ++pass) {
+    if (control.stop.stop_requested())
+      return fail(ErrorKind::cancelled, "stopped before the baseline was fitted");
+    const FieldNoise noise = estimate_field_noise(d.data, fit->rows, fit->at.fit.residuals);
+    d.noise = pass == 0 ? noise : combined(d.noise, noise);
+    const bool is_settled = std::all_of(noise.kinds.begin(), noise.kinds.end(),
+                                        [](const auto& kind) { return kind.factor == 1.0; });
+    if (is_settled) break;
+    d.data = reweighed(d.data, noise);
+    fit = fit_field(fit->at.model, d.data, fit->states, options);
+  }
+  if (!fit) return tl::unexpected(fit.error());
+  d.baseline = std::move(*fit);
+  auto excitation = examine_sheets(d.data, d.baseline.states);
+  if (!excitation) return tl::unexpected(excitation.error());
+  d.excitation = std::move(*excitation);
+  if (!d.held_out.sequences.empty()) {
+    auto foretold = predict_field(d.baseline.at.model, d.held_out, {}, options);
+    if (!foretold)
+      return fail(foretold.error().kind,
+                  "the captures that are held out: " + foretold.error().message);
+    d.held_out_baseline = std::move(*foretold);
+  }
+  return d;
+}
+
+}  // namespace tenter::diagnosis

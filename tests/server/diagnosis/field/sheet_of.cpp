@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/server/diagnosis/field/sheet_of.h"
+
+#include <gtest/gtest.h>
+
+#include "common/model/presets.h"
+#include "server/diagnosis/verdicts.h"
+#include "server/estimation/prediction.h"
+#include "server/estimation/sequences/sequence_evaluator.h"
+#include "tests/twin/fabrics/sequences/rig_noise.h"
+#include "tests/twin/fabrics/sequences/sequence_of.h"
+
+namespace tenter::testing {
+namespace {
+
+constexpr int kCells = 8;
+
+/// Pulled a little further than noise, not so far that the measures of strain part.
+twin::Fabric small_fabric() {
+  twin::Fabric fabric = twin::fabric("12");
+  fabric.limits = {0.08, 0.08, 0.1, 0.03, 0.03, 0.1, 4e-3};
+  return fabric;
+}
+
+/// What the truth shows on every channel.
+void measure(const model::Model& truth, estimation::Sequence& sequence) {
+  for (auto& frame : sequence.frames) {
+    frame.points_m.setZero();
+    frame.forces_N.setZero();
+  }
+  auto evaluator = estimation::SequenceEvaluator::make(truth, {sequence});
+  ASSERT_TRUE(evaluator) << evaluator.error().message;
+  Eigen::VectorXd residuals;
+  ASSERT_EQ(evaluator->evaluate(estimation::parameter_values(truth), residuals, nullptr),
+            mechanics::PathStatus::ok)
+      << evaluator->failure();
+  const auto points = static_cast<Eigen::Index>(3 * sequence.points.size());
+  for (std::size_t r = 0; r < evaluator->rows().size(); ++r) {
+    const estimation::Row& row = evaluator->rows()[r];
+    auto& frame = sequence.frames[static_cast<std::size_t>(row.frame)];
+    const double x = residuals[static_cast<Eigen::Index>(r)];
+    if (row.channel < points)
+      frame.points_m.data()[row.channel] =
+          x * sequence.points[static_cast<std::size_t>(row.channel / 3)].sigma_m;
+    else
+      frame.forces_N[row.channel - points] =
+          x * sequence.forces[static_cast<std::size_t>(row.channel - points)].sigma_N;
+  }
+  for (std::size_t f = 0; f < sequence.frames.size(); ++f)
+    sequence.frames[f].start = evaluator->states()[0][f];
+}
+
+}  // namespace
+
+model::Model compliant_cloth() {
+  model::Model model = model::preset("cloth_stvk").value();
+  const double k[] = {60.0, 40.0, 20.0, 8e-6, 8e-6, 5e-6};
+  for (std::size_t t = 0; t < model.terms.size(); ++t)
+    model.terms[t].law.parameters.front().value = k[t];
+  return model;
+}
+
+diagnosis::SheetRequest sheets_of(const SheetTruth& truth, const model::Model& baseline) {
+  diagnosis::SheetRequest request;
+  request.model = baseline;
+  const twin::Fabric fabric = small_fabric();
+  for (const std::string& name : truth.protocols) {
+    const twin::Protocol protocol =
+        twin::make_protocol(fabric, name, {.frames = truth.frames, .cells = kCells});
+    estimation::Sequence sequence = twin::sequence_of(fabric, protocol, {.nodes = kCells + 1});
+    if (truth.two_rates)
+      for (std::size_t f = 1; f < sequence.frames.size(); ++f)
+        sequence.frames[f].duration_s = sequence.frames[f].block < 2 ? 1.0 : 10.0;
+    measure(truth.model, sequence);
+    twin::Random random(twin::stream_seed(truth.seed, name));
+    const auto scale = [&](double factor) {
+      for (auto& point : sequence.points) point.sigma_m *= factor;
+      for (auto& force : sequence.forces) force.sigma_N *= factor;
+    };
+    scale(truth.noise);
+    twin::add_rig_noise({}, random, sequence);
+    scale(1.0 / truth.noise);
+    request.sequences.push_back(
+        {"sha-" + name, name, estimation::Role::evaluation, std::move(sequence)});
+  }
+  return request;
+}
+
+std::string in_lines(const std::vector<diagnosis::Verdict>& verdicts) {
+  std::string lines;
+  for (const diagnosis::Verdict& v : verdicts) {
+    lines += std::string(diagnosis::verdict_name(v.kind)) + " " + v.effect + ": " + v.words;
+    for (const std::string& other : v.alternatives) lines += " | " + other;
+    lines += "\n";
+  }
+  return lines;
+}
+
+}  // namespace tenter::testing

@@ -3,9 +3,11 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 
+#include "client/cli/continued.h"
 #include "client/cli/follow.h"
 #include "client/cli/names.h"
 #include "client/cli/output.h"
@@ -136,17 +138,48 @@ nlohmann::ordered_json result_digest(const nlohmann::ordered_json& result,
   return digest;
 }
 
-Expected<void> run_job(Context& context, const JobRun& run) {
-  const Expected<model::Model> model = load_model(run.model);
+namespace {
+
+/// Captures and options of the diagnosis that `run` goes on from, before its own; its model where
+/// `run` names none.
+Expected<model::Model> take_over(client::Client& client, JobRun& run) {
+  auto before = continue_from(client, run.continues);
+  if (!before) return tl::unexpected(before.error());
+  run.captures.insert(run.captures.begin(), before->captures.begin(), before->captures.end());
+  for (const auto& [key, value] : before->options.items())
+    if (!run.options.contains(key)) run.options[key] = value;
+  if (!run.model.empty()) return load_model(run.model);
+  return model::parse_model(before->model_json, "the model of job " + run.continues);
+}
+
+/// A capture that is named twice, by file and by hash or by both jobs, is one.
+void drop_repeated(std::vector<std::string>& ids) {
+  std::vector<std::string> once;
+  for (std::string& id : ids)
+    if (std::find(once.begin(), once.end(), id) == once.end()) once.push_back(std::move(id));
+  ids = std::move(once);
+}
+
+}  // namespace
+
+Expected<void> run_job(Context& context, const JobRun& asked) {
+  JobRun run = asked;
+  const bool goes_on = !run.continues.empty();
+  Expected<model::Model> model = goes_on ? model::Model() : load_model(run.model);
   if (!model) return tl::unexpected(model.error());
   if (auto checked = check_names(run.captures); !checked) return checked;
 
   Interrupt interrupt;
   auto client = context.connect();
   if (!client) return tl::unexpected(client.error());
-  const Expected<std::vector<std::string>> captures =
+  if (goes_on) {
+    model = take_over(*client, run);
+    if (!model) return tl::unexpected(model.error());
+  }
+  Expected<std::vector<std::string>> captures =
       bring_captures(*client, context, run.captures, interrupt);
   if (!captures) return tl::unexpected(captures.error());
+  if (goes_on) drop_repeated(*captures);
   if (interrupt.interrupted())
     return fail(ErrorKind::cancelled, "stopped before the job was submitted");
   const Expected<std::string> spec = specification(run, *captures, *model);

@@ -17,7 +17,8 @@ namespace tenter::cli {
 struct JobRun {
   std::string kind;                   ///< "fit", "simulate", "diagnose"
   std::vector<std::string> captures;  ///< files, or hashes of captures on the server
-  std::string model;                  ///< preset or file
+  std::string model;                  ///< preset or file; of what is continued where empty
+  std::string continues;              ///< diagnosis to go on from: a job's number or "last"
   nlohmann::json options = nlohmann::json::object();  ///< of the job's specification
   /// Adds what only the captures' ids can say, where there is any; called once they are known.
   std::function<Expected<void>(const std::vector<std::string>& ids, nlohmann::json& options)>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/report/summary.h"
 
+#include <algorithm>
+
 #include "common/report/friction/friction_section.h"
 #include "common/report/sheet/sheet_report.h"
 #include "common/report/words.h"
@@ -74,6 +76,28 @@ std::string headline(const Json& result) {
   return "No finding.";
 }
 
+namespace {
+
+/// "; goes on from job 12 (AMBIGUOUS internal friction or viscosity)".
+std::string continued(const Json& result) {
+  const Json& before = member(result, "continues");
+  if (text(before, "job").empty()) return "";
+  std::vector<std::string> said;
+  for (const Json& entry : list(before, "said")) {
+    std::vector<std::string> group;
+    if (!text(entry, "effect").empty()) group.push_back(effect_words(text(entry, "effect")));
+    for (const Json& other : list(entry, "alternatives"))
+      group.push_back(effect_words(text(other)));
+    std::string verdict = text(entry, "verdict");
+    std::replace(verdict.begin(), verdict.end(), '_', ' ');
+    said.push_back(verdict + (group.empty() ? "" : " " + joined(group, "or")));
+  }
+  return "; goes on from job " + text(before, "job") +
+         (said.empty() ? "" : " (" + joined(said) + ")");
+}
+
+}  // namespace
+
 std::string subject(const Json& result) {
   const std::string kind = text(result, "kind");
   const std::size_t count = list(result, "captures").size();
@@ -82,7 +106,7 @@ std::string subject(const Json& result) {
   std::string model = text(member(result, "baseline_model"), "name");
   if (model.empty()) model = text(member(result, "model"), "name");
   if (!model.empty()) words += " with " + model;
-  return words;
+  return words + continued(result);
 }
 
 bool extends_baseline(const Json& result) {

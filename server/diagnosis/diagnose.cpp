@@ -11,11 +11,13 @@
 #include "server/diagnosis/checks/checklist.h"
 #include "server/diagnosis/checks/refined_solve.h"
 #include "server/diagnosis/checks/repeats_check.h"
+#include "server/diagnosis/exchange.h"
 #include "server/diagnosis/gain.h"
 #include "server/diagnosis/model_edit.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/score.h"
 #include "server/diagnosis/screening/shortlist.h"
+#include "server/diagnosis/standing.h"
 #include "server/diagnosis/verdicts.h"
 
 namespace tenter::diagnosis {
@@ -41,17 +43,36 @@ double criterion(const Trial& trial, int added_effects, double rows) {
   return information(trial.fit.chi2, trial.parameters, added_effects, rows);
 }
 
+PathStep step_of(const std::string& action, const std::string& effect, const std::string& why,
+                 const Reference& at, const Diagnosis& d) {
+  PathStep step;
+  step.action = action;
+  step.effect = effect;
+  step.why = why;
+  step.chi2 = at.fit.chi2;
+  step.error = score_of(*d.data, d.data->rows(), at.fit.residuals, -1).error;
+  step.parameters = free_count(at.model);
+  step.information = information(at.fit.chi2, step.parameters, 0, at.fit.effective_rows);
+  return step;
+}
+
 /// Refits the short list and judges it, best first, until one passes every gate. Trials keep the
 /// order of their criterion; the first of those that passed is the round's choice.
 std::vector<Trial> run_round(const std::vector<Candidate>& candidates, const Reference& current,
-                             const Diagnosis& d, int added_effects, const Control& control) {
+                             Diagnosis& d, int added_effects, const Control& control) {
   std::vector<Trial> trials(candidates.size());
   parallel(control.threads, static_cast<int>(candidates.size()), [&](int i) {
     if (control.stop.stop_requested()) return;
     trials[static_cast<std::size_t>(i)] =
         refit(candidates[static_cast<std::size_t>(i)], current, d.data);
   });
-  std::erase_if(trials, [](const Trial& t) { return !t.fit.usable; });
+  std::erase_if(trials, [&](const Trial& t) {
+    if (!t.fit.usable && t.effect != nullptr)
+      d.path.push_back(step_of("reject", t.effect->id,
+                               t.variant.words + ": the refit failed: " + t.fit.message, current,
+                               d));
+    return !t.fit.usable;
+  });
   double rows = current.fit.effective_rows;
   for (const Trial& t : trials) rows = std::max(rows, t.fit.effective_rows);
   std::stable_sort(trials.begin(), trials.end(), [&](const Trial& a, const Trial& b) {
@@ -70,19 +91,6 @@ Reference reference_of(const Trial& trial) {
   return {trial.model, trial.fit, trial.block_chi2};
 }
 
-PathStep step_of(const std::string& action, const std::string& effect, const std::string& why,
-                 const Reference& at, const Diagnosis& d) {
-  PathStep step;
-  step.action = action;
-  step.effect = effect;
-  step.why = why;
-  step.chi2 = at.fit.chi2;
-  step.error = score_of(*d.data, d.data->rows(), at.fit.residuals, -1).error;
-  step.parameters = free_count(at.model);
-  step.information = information(at.fit.chi2, step.parameters, 0, at.fit.effective_rows);
-  return step;
-}
-
 /// Forward: one effect at a time, the best that passes, until none does.
 void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
                 const Request& request, const Excitation& excitation, const Control& control) {
@@ -94,12 +102,16 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
     ScreenOptions options;
     options.null_twins = request.options.null_twins;
     options.seed = request.options.seed + static_cast<unsigned long long>(round);
+    options.effects = request.options.effects;
     const Screen found = screen(current.model, current.fit, d.data, d.noise, excitation, options);
     if (round == 0) d.first_screen = found;
     const std::vector<Candidate> candidates = shortlist(found, current.fit, 5);
     if (candidates.empty() || control.stop.stop_requested()) break;
+    std::vector<std::string> added;
+    for (const Accepted& entry : accepted) added.push_back(entry.trial.effect->id);
+    const double error = score_of(*d.data, d.data->rows(), current.fit.residuals, -1).error;
     control.report(
-        {"refit", candidates.front().effect->id, round, current.fit.chi2, fraction + 0.03});
+        {"refit", standing(found, added, error), round, current.fit.chi2, fraction + 0.03});
     std::vector<Trial> trials =
         run_round(candidates, current, d, static_cast<int>(accepted.size()), control);
     std::size_t chosen = trials.size();
@@ -134,6 +146,13 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
   }
 }
 
+/// What a failed refit leaves undone is said: the effect stays without having been asked again.
+void could_not_refit_without(Diagnosis& d, const std::string& id, const Error& error) {
+  d.checklist.push_back({"WARNING",
+                         "the model without " + id + " could not be fitted; it was not asked again",
+                         error.message});
+}
+
 /// Takes an effect out, refits, and keeps it out where `is_needless` says so of the refit.
 template <class Needless>
 void drop_where(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
@@ -142,7 +161,10 @@ void drop_where(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
   for (const Accepted& entry : accepted) ids.insert(entry.trial.effect->id);
   for (const std::string& id : ids) {
     auto reduced = make_reference(without(current.model, id, d.baseline.model), d.data, {});
-    if (!reduced) continue;
+    if (!reduced) {
+      could_not_refit_without(d, id, reduced.error());
+      continue;
+    }
     const std::string why = is_needless(id, *reduced, current);
     if (why.empty()) continue;
     current = std::move(*reduced);
@@ -164,6 +186,36 @@ void go_backward(Diagnosis& d, Reference& current, std::vector<Accepted>& accept
                           ? "what was added later made it needless (p = " + std::to_string(p) + ")"
                           : std::string();
              });
+}
+
+/// Each effect against those that it is mistaken for, now that the others are there too.
+void exchange(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
+              const Request& request, const Excitation& excitation, const Control& control) {
+  if (accepted.size() < 2) return;
+  const ScreenOptions options = {request.options.null_twins, request.options.seed + 31, false,
+                                 request.options.effects};
+  for (std::size_t i = 0; i < accepted.size() && !control.stop.stop_requested(); ++i) {
+    const Effect& effect = *accepted[i].trial.effect;
+    control.report({"exchange", effect.id, static_cast<int>(i), current.fit.chi2, 0.82});
+    auto reduced = make_reference(without(current.model, effect.id, d.baseline.model), d.data, {});
+    if (!reduced) {
+      could_not_refit_without(d, effect.id, reduced.error());
+      continue;
+    }
+    auto better = better_neighbour(d, effect, *reduced, current, excitation, options);
+    if (!better) continue;
+    Accepted entry;
+    entry.before_chi2 = reduced->fit.chi2;
+    entry.rivals = {accepted[i].trial};
+    entry.trial = std::move(*better);
+    current = reference_of(entry.trial);
+    d.path.push_back(step_of("drop", effect.id,
+                             entry.trial.effect->id + " does better in its place", current, d));
+    d.path.push_back(step_of("add", entry.trial.effect->id, entry.trial.variant.words, current, d));
+    const std::string gone = effect.id;
+    accepted[i] = std::move(entry);
+    std::erase_if(accepted, [&](const Accepted& other) { return other.trial.effect->id == gone; });
+  }
 }
 
 /// Where the model still misses more than the noise, an effect that explained little of what was
@@ -299,14 +351,16 @@ Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
   if (control.stop.stop_requested())
     return fail(ErrorKind::cancelled, "stopped while effects were being tried");
   go_backward(d, current, accepted);
+  exchange(d, current, accepted, request, excitation, control);
   if (!accepted.empty() && refine_extended(d, current, request, control)) {
     go_forward(d, current, accepted, request, excitation, control);
     go_backward(d, current, accepted);
   }
   const auto look_again = [&] {
     d.extended = current;
-    d.last_screen = screen(current.model, current.fit, d.data, d.noise, excitation,
-                           {request.options.null_twins, request.options.seed + 99});
+    d.last_screen =
+        screen(current.model, current.fit, d.data, d.noise, excitation,
+               {request.options.null_twins, request.options.seed + 99, request.options.effects});
   };
   look_again();
   const std::size_t found = accepted.size();
@@ -326,7 +380,7 @@ Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
   for (Accepted& entry : accepted)
     findings.push_back({std::move(entry.trial), std::move(entry.rivals)});
   control.report({"verdicts", "", 0, d.extended.fit.chi2, 0.95});
-  pass_verdicts(d, findings, excitation, request.options.seed);
+  pass_verdicts(d, findings, excitation, request.options);
   check(d);
   return started;
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/diagnosis/effect.h"
+#include "server/diagnosis/next/proposal.h"
 
 namespace tenter::diagnosis {
 
@@ -36,6 +37,10 @@ struct Options {
   /// What the reported gain leaves out: "protocols", "repeats", "runs", "blocks", "none"; "auto":
   /// the hardest of them that the rest of the data can foretell.
   std::string leave_out = "auto";
+  /// Ids of those that may be tried; none: all of the catalogue.
+  std::vector<std::string> effects;
+  /// What a proposed capture may ask of the rig.
+  RigLimits rig;
 };
 
 enum class VerdictKind {
@@ -58,6 +63,7 @@ struct Verdict {
   std::optional<double> p_value;
   std::vector<std::string> alternatives;
   std::optional<NextProtocol> next_protocol;
+  std::optional<Design> design;  ///< the same in numbers, where a pull splits the alternatives
   std::vector<std::pair<std::string, double>> evidence;
 };
 

@@ -52,6 +52,9 @@ void measure_gain(Diagnosis& d, const Options& options, const Control& control) 
     before = held_out(d.baseline, d.data, *folds);
     after = held_out(d.extended, d.data, *folds);
   }
+  if (folds && (!before || !after))
+    d.checklist.push_back({"WARNING", "the gain on left-out " + d.held_out_kind + " is not known",
+                           "a refit without some of them failed"});
   if (before) d.held_out_before = score_of(*d.data, rows, before->residuals, -1);
   if (after) d.held_out_after = score_of(*d.data, rows, after->residuals, -1);
   for (int i = 0; i < static_cast<int>(d.curves.size()); ++i) {

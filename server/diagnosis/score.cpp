@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 namespace tenter::diagnosis {
 namespace {
@@ -23,14 +22,15 @@ double measured(const DataSet& data, const Row& row) {
       .measured[static_cast<std::size_t>(row.frame)];
 }
 
-/// What the channel shows at rest: a stretch of one, no stress, no shear.
-double rest_value(const DataSet& data, const Row& row) {
+}  // namespace
+
+double measured_from_rest(const DataSet& data, const Row& row) {
   const auto& channel = data.curves[static_cast<std::size_t>(row.curve)]
                             .channels[static_cast<std::size_t>(row.channel)];
-  return channel.is_stress || channel.component == 2 ? 0.0 : 1.0;
+  const double rest = channel.is_stress || channel.component == 2 ? 0.0 : 1.0;
+  return measured(data, row) - rest;
 }
 
-/// Rows that a score is taken over.
 std::vector<std::size_t> scored_rows(const DataSet& data, const std::vector<Row>& rows, int curve) {
   std::vector<std::size_t> stress;
   std::vector<std::size_t> all;
@@ -42,7 +42,12 @@ std::vector<std::size_t> scored_rows(const DataSet& data, const std::vector<Row>
   return stress.empty() ? all : stress;
 }
 
-}  // namespace
+std::vector<std::size_t> stretch_rows(const DataSet& data, const std::vector<Row>& rows) {
+  std::vector<std::size_t> stretches;
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (!is_stress(data, rows[r])) stretches.push_back(r);
+  return stretches;
+}
 
 Score score_of(const DataSet& data, const std::vector<Row>& rows, const Eigen::VectorXd& residuals,
                int curve) {
@@ -81,68 +86,6 @@ double noise_floor_of(const DataSet& data, const std::vector<Row>& rows,
     power += m * m;
   }
   return power > 0.0 ? std::sqrt(error / power) : 0.0;
-}
-
-namespace {
-
-SizeInterval size_over(const DataSet& data, const std::vector<Row>& rows,
-                       const std::vector<std::size_t>& used, const Eigen::VectorXd& without,
-                       const Eigen::VectorXd& with, unsigned long long seed) {
-  const int blocks = data.block_count();
-  std::vector<double> gain(static_cast<std::size_t>(blocks), 0.0);
-  std::vector<double> power(static_cast<std::size_t>(blocks), 0.0);
-  for (const std::size_t r : used) {
-    const auto k = static_cast<Eigen::Index>(r);
-    const double sigma = data.sigma_of(rows[r]);
-    const auto b = static_cast<std::size_t>(rows[r].block);
-    const double m = measured(data, rows[r]) - rest_value(data, rows[r]);
-    gain[b] += (without[k] * without[k] - with[k] * with[k]) * sigma * sigma;
-    power[b] += m * m;
-  }
-  const auto share = [](double g, double p) { return p > 0.0 && g > 0.0 ? std::sqrt(g / p) : 0.0; };
-  double total_gain = 0.0;
-  double total_power = 0.0;
-  for (std::size_t b = 0; b < gain.size(); ++b) {
-    total_gain += gain[b];
-    total_power += power[b];
-  }
-  SizeInterval result;
-  result.size = share(total_gain, total_power);
-  std::mt19937_64 engine(seed);
-  constexpr int kResamples = 400;
-  std::vector<double> sizes;
-  for (int k = 0; k < kResamples; ++k) {
-    double g = 0.0;
-    double p = 0.0;
-    for (int b = 0; b < blocks; ++b) {
-      const auto pick =
-          static_cast<std::size_t>(engine() % static_cast<unsigned long long>(blocks));
-      g += gain[pick];
-      p += power[pick];
-    }
-    sizes.push_back(share(g, p));
-  }
-  std::sort(sizes.begin(), sizes.end());
-  result.lo = std::min(result.size, sizes[kResamples / 40]);
-  result.hi = std::max(result.size, sizes[kResamples - 1 - kResamples / 40]);
-  return result;
-}
-
-}  // namespace
-
-SizeInterval size_between(const DataSet& data, const std::vector<Row>& rows,
-                          const Eigen::VectorXd& without, const Eigen::VectorXd& with,
-                          unsigned long long seed) {
-  constexpr double kNothing = 2e-3;
-  SizeInterval of_force = size_over(data, rows, scored_rows(data, rows, -1), without, with, seed);
-  if (of_force.size >= kNothing) return of_force;
-  std::vector<std::size_t> stretches;
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    if (!is_stress(data, rows[r])) stretches.push_back(r);
-  if (stretches.empty()) return of_force;
-  SizeInterval of_stretch = size_over(data, rows, stretches, without, with, seed);
-  of_stretch.of_force = false;
-  return of_stretch.size > of_force.size ? of_stretch : of_force;
 }
 
 }  // namespace tenter::diagnosis

@@ -17,16 +17,15 @@ Score score_of(const estimation::DataSet& data, const std::vector<estimation::Ro
 double noise_floor_of(const estimation::DataSet& data, const std::vector<estimation::Row>& rows,
                       const estimation::Noise& noise, int curve);
 
-/// Share of the force that lies between two fits, rms over rms, with a 95 % interval over resampled
-/// blocks. Of the free stretches instead where the effect leaves the force alone.
-struct SizeInterval {
-  bool of_force = true;
-  double size = 0.0;
-  double lo = 0.0;
-  double hi = 0.0;
-};
-SizeInterval size_between(const estimation::DataSet& data, const std::vector<estimation::Row>& rows,
-                          const Eigen::VectorXd& without, const Eigen::VectorXd& with,
-                          unsigned long long seed);
+/// Rows that a score is taken over: stresses of one curve (of all for curve < 0), all rows where
+/// none is a stress.
+std::vector<std::size_t> scored_rows(const estimation::DataSet& data,
+                                     const std::vector<estimation::Row>& rows, int curve);
+/// Rows that are no stress.
+std::vector<std::size_t> stretch_rows(const estimation::DataSet& data,
+                                      const std::vector<estimation::Row>& rows);
+
+/// A reading less what its channel shows at rest: a stretch of one, no stress, no shear.
+double measured_from_rest(const estimation::DataSet& data, const estimation::Row& row);
 
 }  // namespace tenter::diagnosis

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "server/diagnosis/checks/lattice.h"
+#include "server/diagnosis/effect_size.h"
 #include "server/diagnosis/model_edit.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/score.h"
@@ -20,12 +21,17 @@ std::string percent(double share) {
   return text;
 }
 
-/// Rivals that do as well as the effect in the extended model: twice the log evidence that speaks
-/// against each is small.
-std::vector<std::string> equals_of(const Diagnosis& d, const std::string& effect,
-                                   const std::vector<Trial>& rivals) {
+/// The extended model with another effect in the place of one that was found.
+struct Swapped {
+  std::string id;
+  Reference fitted;
+  bool is_equal = false;  ///< twice the log evidence that speaks against it is small
+};
+
+std::vector<Swapped> swapped_rivals(const Diagnosis& d, const std::string& effect,
+                                    const std::vector<Trial>& rivals) {
   constexpr double kDecisive = 10.0;
-  std::vector<std::string> equals;
+  std::vector<Swapped> all;
   std::set<std::string> tried;
   for (const Trial& rival : rivals) {
     if (tried.contains(rival.effect->id) || rival.effect->id == effect) continue;
@@ -40,14 +46,45 @@ std::vector<std::string> equals_of(const Diagnosis& d, const std::string& effect
     const double evidence = information(swapped->fit.chi2, free_count(swapped->model), 0, rows) -
                             information(d.extended.fit.chi2, free_count(d.extended.model), 0, rows);
     tried.insert(rival.effect->id);
-    if (evidence < kDecisive) equals.push_back(rival.effect->id);
+    all.push_back({rival.effect->id, std::move(*swapped), evidence < kDecisive});
   }
-  return equals;
+  return all;
 }
 
 bool is_rate_question(const std::string& effect) {
   return effect == "internal_friction" || effect == "strain_dependent_friction" ||
          effect == "viscosity";
+}
+
+/// What to capture next: the pull that splits the effect from its alternatives, where one does;
+/// else the protocol of the effect's row.
+void propose_next(const Diagnosis& d, const Effect& effect, const std::vector<Swapped>& swapped,
+                  const RigLimits& rig, Verdict& verdict) {
+  verdict.next_protocol = effect.split_by;
+  std::vector<const Reference*> causes = {&d.extended};
+  for (const std::string& id : verdict.alternatives)
+    for (const Swapped& other : swapped)
+      if (other.id == id) causes.push_back(&other.fitted);
+  if (causes.size() <= verdict.alternatives.size()) return;
+  const bool of_rate =
+      is_rate_question(effect.id) &&
+      std::any_of(verdict.alternatives.begin(), verdict.alternatives.end(), is_rate_question);
+  verdict.design = design_next(causes, *d.data, rig, of_rate ? Question::of_rate : Question::any);
+  if (!verdict.design) return;
+  const Design& design = *verdict.design;
+  char apart[32];
+  std::snprintf(apart, sizeof apart, "%.2g", design.separation.of_noise());
+  verdict.next_protocol->name = design.plan.name;
+  verdict.next_protocol->words =
+      "A new specimen, mounted as in \"" + design.mounted_as + "\", pulled as listed: of " +
+      std::to_string(design.considered) +
+      " pulls within the rig's limits the one that splits them best. What the causes foretell "
+      "differs by " +
+      apart + " times the noise there, after the wrong one has given way.";
+  verdict.next_protocol->phases.clear();
+  for (std::size_t i = 0; i < design.plan.steps.size(); ++i)
+    verdict.next_protocol->phases.push_back(
+        {design.plan.steps[i].is_hold ? "hold" : "ramp", words_of(design.plan)[i]});
 }
 
 std::string list_words(const std::vector<std::string>& ids) {
@@ -61,23 +98,24 @@ std::string list_words(const std::vector<std::string>& ids) {
 
 Verdict verdict_for(const Diagnosis& d, const std::string& id,
                     const std::vector<const Finding*>& findings, const Excitation& excitation,
-                    unsigned long long seed) {
+                    const Options& options) {
   const Effect& effect = *find_effect(id);
   Verdict verdict;
   verdict.effect = id;
   verdict.p_value = findings.front()->trial.p_value;
 
   auto reduced = make_reference(without(d.extended.model, id, d.baseline.model), d.data, {});
-  const Eigen::VectorXd& rest = reduced ? reduced->fit.residuals : d.baseline.fit.residuals;
   const SizeInterval size =
-      size_between(*d.data, d.data->rows(), rest, d.extended.fit.residuals, seed);
+      effect_size(*d.data, reduced ? reduced->fit : d.baseline.fit, d.extended.fit, options.seed);
   verdict.size = size.size;
   verdict.size_lo = size.lo;
   verdict.size_hi = size.hi;
 
   std::vector<Trial> rivals;
   for (const Finding* f : findings) rivals.insert(rivals.end(), f->rivals.begin(), f->rivals.end());
-  verdict.alternatives = equals_of(d, id, rivals);
+  const std::vector<Swapped> swapped = swapped_rivals(d, id, rivals);
+  for (const Swapped& other : swapped)
+    if (other.is_equal) verdict.alternatives.push_back(other.id);
   // physics, not statistics: at one rate without a hold Maxwell equals Dahl
   if (is_rate_question(id) && !excitation.splits_rate()) {
     const std::string other = id == "viscosity" ? "internal_friction" : "viscosity";
@@ -94,7 +132,7 @@ Verdict verdict_for(const Diagnosis& d, const std::string& id,
   if (!verdict.alternatives.empty()) {
     verdict.kind = VerdictKind::ambiguous;
     words += "; this capture cannot tell it from " + list_words(verdict.alternatives);
-    verdict.next_protocol = effect.split_by;
+    propose_next(d, effect, swapped, options.rig, verdict);
   } else {
     verdict.kind = effect.kind == effects::Kind::sensor ? VerdictKind::sensor : VerdictKind::named;
   }
@@ -254,7 +292,7 @@ const char* verdict_name(VerdictKind kind) {
 }
 
 void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Excitation& excitation,
-                   unsigned long long seed) {
+                   const Options& options) {
   std::vector<std::string> order;
   std::map<std::string, std::vector<const Finding*>> by_effect;
   for (const Finding& f : findings) {
@@ -263,7 +301,7 @@ void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Exc
     list.push_back(&f);
   }
   for (const std::string& id : order)
-    d.verdicts.push_back(verdict_for(d, id, by_effect[id], excitation, seed));
+    d.verdicts.push_back(verdict_for(d, id, by_effect[id], excitation, options));
   std::stable_sort(d.verdicts.begin(), d.verdicts.end(),
                    [](const Verdict& a, const Verdict& b) { return a.size > b.size; });
   if (auto steps = quantisation_verdict(d)) d.verdicts.push_back(std::move(*steps));

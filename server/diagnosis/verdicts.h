@@ -15,7 +15,7 @@ struct Finding {
 
 /// Writes the verdicts and the checklist of `d`, whose fits and scores are done.
 void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Excitation& excitation,
-                   unsigned long long seed);
+                   const Options& options);
 
 /// chi2 that the noise alone would leave: that of the null twins, or of neighbouring samples'
 /// scatter where repeats differ by much more than that and so hide something that is no noise.

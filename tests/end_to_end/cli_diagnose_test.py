@@ -73,6 +73,32 @@ class Diagnose(CommandTest):
         self.run_command("residuals", job, "--channel", "nothing", code=3)
         self.assertIn("measured", self.run_command("residuals", job, "--block", "0").stdout)
 
+    def test_going_on_with_new_captures(self):
+        twin = pathlib.Path(PROGRAMS.data) / "twin" / "friction_loops.h5"
+        first = self.json("diagnose", twin, "--max-effects", "3", timeout=300)
+        again = self.json("diagnose", twin, "--continue", first["job_id"], "--set", "rig_strain=0.05", timeout=300)
+        self.assertEqual([c["id"] for c in again["captures"]], [c["id"] for c in first["captures"]])
+        self.assertEqual(again["continues"]["job"], first["job_id"])
+        said = [v for v in first["verdicts"] if v["verdict"] != "NOT_EXCITED"]
+        self.assertEqual([(s["verdict"], s.get("effect")) for s in again["continues"]["said"]],
+                         [(v["verdict"], v["effect"]) for v in said])
+        spec = self.json("job", "show", again["job_id"])["spec"]
+        self.assertEqual((spec["options"]["max_effects"], spec["options"]["rig_strain"]), (3, 0.05))
+        self.assertIn("goes on from job " + first["job_id"], self.run_command("report", "last").stdout)
+        # a proposed pull has its numbers, and keeps the rig's limits
+        for verdict in again["verdicts"]:
+            design = (verdict["next_protocol"] or {}).get("design")
+            if verdict["verdict"] == "AMBIGUOUS" and design:
+                self.assertGreater(design["expected_separation"], 0.5)
+                self.assertLessEqual(max(abs(s.get("strain", 0)) for s in design["steps"]), 0.05 + 1e-9)
+                self.assertEqual(len(design["steps"]), len(verdict["next_protocol"]["phases"]))
+
+        fitted = self.json("fit", twin, "--model", "stvk_diagonal", timeout=120)
+        done = self.run_command("diagnose", twin, "--continue", fitted["job_id"], code=2)
+        self.assertIn("only a diagnosis can be continued", done.stderr)
+        done = self.run_command("diagnose", twin, "--set", "rig_strain=-1", code=7)
+        self.assertIn("options.rig_strain", done.stderr)
+
     def test_a_real_knit(self):
         knit = self.capture("acrylic_rib_x")
         done = self.run_command("diagnose", knit, "--report", "knit.html", "--output", "knit.json", timeout=300)

@@ -122,8 +122,10 @@ Expected<Twin> make_twin(const TwinCase& twin_case) {
       const auto [amplitude, size] =
           find_amplitude(effect.first_guess, effect.largest, twin_case.size, size_of);
       effect.apply(amplitude, variant, *plans, choices, truth);
-      twin.hidden.push_back({effect.id, variant, amplitude, effect.unit, size, effect.foreign});
+      twin.hidden.push_back(
+          {effect.id, variant, amplitude, effect.unit, size, 0.0, effect.foreign});
     }
+    if (ids.size() == 1) twin.hidden.front().share_of_force = ruler.share_of_force(truth);
     twin.achieved_size = ids.size() == 1 ? twin.hidden.front().achieved_size : ruler.size_of(truth);
   }
 
@@ -132,6 +134,7 @@ Expected<Twin> make_twin(const TwinCase& twin_case) {
   twin.sigma_declared = declared;
   const std::string notes = notes_on(twin_case, twin.hidden);
   Random noise_stream(stream_seed(twin_case.seed, case_name(twin_case) + " noise"));
+  plans->insert(plans->end(), twin_case.more.begin(), twin_case.more.end());
   for (std::size_t c = 0; c < plans->size(); ++c) {
     twin.captures.push_back(write_down((*plans)[c], twin_case.suite,
                                        measure((*plans)[c], c, truth.cloth, truth.faults), noise,

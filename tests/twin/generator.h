@@ -15,6 +15,7 @@
 
 #include "common/base/error.h"
 #include "common/capture/capture.h"
+#include "tests/twin/suite.h"
 
 namespace tenter::twin {
 
@@ -25,6 +26,9 @@ struct TwinCase {
   double size = 0.0;           ///< of each effect alone, see sizing.h
   std::string suite = "rich";  ///< see suite.h
   std::uint64_t seed = 1;
+  /// Captures beside those of the suite, of the same cloth by the same instruments; they change
+  /// neither what hides nor the suite's own captures.
+  std::vector<PlannedCapture> more = {};
 };
 
 /// What was hidden, for whoever marks the answers.
@@ -35,6 +39,7 @@ struct Hidden {
   std::string unit;  ///< of the amplitude
   double achieved_size =
       0.0;  ///< below the size asked for where the largest physical amplitude is not enough
+  double share_of_force = 0.0;  ///< of an effect that hides alone: see Ruler::share_of_force
   bool foreign = false;
 };
 

@@ -62,10 +62,11 @@ Baseline baseline_for(const std::vector<std::string>& effect_ids) {
 }
 
 std::vector<double> whitened_readings(const std::vector<PlannedCapture>& plans, const Truth& truth,
-                                      const NoiseLevels& noise) {
+                                      const NoiseLevels& noise, std::vector<double>* sigma_N_m) {
   std::vector<double> rows;
-  const auto append = [&rows](const std::vector<double>& column, double sigma) {
+  const auto append = [&](const std::vector<double>& column, double sigma, bool is_stress = true) {
     for (const double value : column) rows.push_back(value / sigma);
+    if (sigma_N_m) sigma_N_m->insert(sigma_N_m->end(), column.size(), is_stress ? sigma : 0.0);
   };
   for (std::size_t c = 0; c < plans.size(); ++c) {
     Readings readings = measure(plans[c], c, truth.cloth, truth.faults);
@@ -74,8 +75,8 @@ std::vector<double> whitened_readings(const std::vector<PlannedCapture>& plans, 
     append(readings.stress_x, noise.stress_N_m);
     append(readings.stress_y, noise.stress_N_m);
     append(readings.stress_shear, noise.shear_stress_N_m);
-    append(readings.stretch_x, noise.observed_stretch);
-    append(readings.stretch_y, noise.observed_stretch);
+    append(readings.stretch_x, noise.observed_stretch, false);
+    append(readings.stretch_y, noise.observed_stretch, false);
   }
   return rows;
 }
@@ -97,10 +98,28 @@ Ruler::Ruler(const std::vector<PlannedCapture>& plans, const Truth& plain, Basel
   }
 }
 
-double Ruler::size_of(const Truth& truth) const {
-  std::vector<double> added = whitened_readings(plans_, truth, noise_);
+std::vector<double> Ruler::unabsorbed(const std::vector<double>& readings) const {
+  std::vector<double> added = readings;
   subtract(added, 1.0, plain_);
   for (const std::vector<double>& q : span_) subtract(added, dot(q, added), q);
+  return added;
+}
+
+double Ruler::share_of_force(const Truth& truth) const {
+  std::vector<double> sigma_N_m;
+  const std::vector<double> readings = whitened_readings(plans_, truth, noise_, &sigma_N_m);
+  const std::vector<double> added = unabsorbed(readings);
+  double effect = 0.0;
+  double force = 0.0;
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    effect += added[i] * added[i] * sigma_N_m[i] * sigma_N_m[i];
+    force += readings[i] * readings[i] * sigma_N_m[i] * sigma_N_m[i];
+  }
+  return force > 0.0 ? std::sqrt(effect / force) : 0.0;
+}
+
+double Ruler::size_of(const Truth& truth) const {
+  const std::vector<double> added = unabsorbed(whitened_readings(plans_, truth, noise_));
   return std::sqrt(dot(added, added) / static_cast<double>(added.size()));
 }
 

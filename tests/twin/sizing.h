@@ -30,9 +30,11 @@ std::string preset_name(Baseline baseline);
 /// The baseline in whose light these effects are misfits; orthotropic StVK for most.
 Baseline baseline_for(const std::vector<std::string>& effect_ids);
 
-/// All readings of the suite, stacked and divided by their noise.
+/// All readings of the suite, stacked and divided by their noise; `sigma_N_m`, where wanted, gets
+/// what each was divided by, zero for a stretch.
 std::vector<double> whitened_readings(const std::vector<PlannedCapture>& plans, const Truth& truth,
-                                      const NoiseLevels& noise);
+                                      const NoiseLevels& noise,
+                                      std::vector<double>* sigma_N_m = nullptr);
 
 /// Measures sizes of truths against one effect-free truth.
 class Ruler {
@@ -43,7 +45,14 @@ class Ruler {
   /// rms of whitened_readings(truth) - whitened_readings(plain), projected off the baseline's span.
   double size_of(const Truth& truth) const;
 
+  /// The same difference in stresses alone, rms over the rms of all stresses that are read: the
+  /// share of the force that the effect accounts for.
+  double share_of_force(const Truth& truth) const;
+
  private:
+  /// What is added to the readings, without what the baseline absorbs.
+  std::vector<double> unabsorbed(const std::vector<double>& readings) const;
+
   const std::vector<PlannedCapture>& plans_;
   NoiseLevels noise_;
   std::vector<double> plain_;

@@ -82,7 +82,7 @@ Expected<void> start(Context& context, Draft& draft) {
       return bad_input("--protocol has its own model, and leaves nothing out");
     draft.run.options["protocol"] = draft.protocol;
   }
-  if (draft.run.model.empty()) draft.run.model = kUsualModel;
+  if (draft.run.model.empty() && draft.run.continues.empty()) draft.run.model = kUsualModel;
   nlohmann::json& options = draft.run.options;
   if (draft.seed >= 0) options["seed"] = draft.seed;
   if (!draft.leave_out.empty()) options["leave_out"] = draft.leave_out;
@@ -155,7 +155,10 @@ void add_diagnose(CLI::App& app, Context& context) {
       "with the best ones, "
       "and tests the gain on captures that the fit never saw. Prints one verdict per finding: "
       "NAMED, AMBIGUOUS (with the "
-      "capture that would decide), SENSOR, NOT EXCITED, UNEXPLAINED, NUMERICAL or NOTHING FOUND. "
+      "capture that would decide: the pull that tells its causes apart best within --set "
+      "rig_strain=, rig_N_m=, rig_rate_per_s= and rig_seconds=, by default 1.5 times what the "
+      "captures reached, their fastest rate and an hour), SENSOR, NOT EXCITED, UNEXPLAINED, "
+      "NUMERICAL or NOTHING FOUND. "
       "Several captures, of one "
       "specimen or of several of one material, are diagnosed together.\n"
       "\n"
@@ -170,9 +173,16 @@ void add_diagnose(CLI::App& app, Context& context) {
       "    tenter diagnose pull.h5 --report report.html\n"
       "    tenter diagnose warp.h5 weft.h5 shear.h5 --model soft_constraints\n"
       "    tenter --json diagnose pull.h5 | jq -r '.verdicts[] | [.verdict, .effect] | @tsv'\n"
-      "    tenter diagnose 3fa9c1 --detach --priority 20\n",
+      "    tenter diagnose 3fa9c1 --detach --priority 20\n"
+      "    tenter diagnose two_rates.h5 --continue last\n",
       draft);
   add_leave_out(command, draft);
+  command
+      ->add_option("--continue", draft->run.continues,
+                   "Go on from this diagnosis with the captures it asked for: its captures, its "
+                   "model and its options count as given. Where the new captures have time, old "
+                   "ones without time are set aside, and named.")
+      ->type_name("JOB");
   command
       ->add_option("--max-effects", draft->max_effects,
                    "At most so many effects are added to the model.")

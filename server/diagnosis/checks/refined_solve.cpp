@@ -9,8 +9,8 @@
 #include <random>
 
 #include "server/diagnosis/checks/convexity.h"
+#include "server/diagnosis/effect_size.h"
 #include "server/diagnosis/prepare.h"
-#include "server/diagnosis/score.h"
 
 namespace tenter::diagnosis {
 namespace {
@@ -326,8 +326,7 @@ Verdict numerical_verdict(const Diagnosis& d, const RefinedSolve& solve, unsigne
   const double share_of_lack = std::min(1.0, moved / lack);
   const std::string share = rounded(100.0 * share_of_lack) + " %";
   if (solve.better) {
-    const SizeInterval size = size_between(*d.data, d.data->rows(), d.baseline.fit.residuals,
-                                           solve.better->fit.residuals, seed);
+    const SizeInterval size = effect_size(*d.data, d.baseline.fit, solve.better->fit, seed);
     verdict.size = size.size;
     verdict.size_lo = size.lo;
     verdict.size_hi = size.hi;

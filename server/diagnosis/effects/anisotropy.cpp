@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Anisotropy: weft, warp and 45 degrees differ.
+#include <algorithm>
+
 #include "server/diagnosis/effects/effects.h"
 
 namespace tenter::diagnosis {
@@ -9,10 +11,13 @@ Effect anisotropy() {
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     for (const Place& place : places(model, excitation, false)) {
-      bool has_linear = false;
-      for (const model::Term& term : model.terms)
-        has_linear = has_linear || same_measure(term.strain, place);
-      if (has_linear || (place.name == "diagonal" && !has_coupling(model))) continue;
+      // what only adds memory along a direction gives it no stiffness of its own
+      const bool has_stiffness =
+          std::any_of(model.terms.begin(), model.terms.end(), [&](const model::Term& term) {
+            return same_measure(term.strain, place) &&
+                   (term.law.name == "linear" || term.law.name == "convex_spline");
+          });
+      if (has_stiffness || (place.name == "diagonal" && !has_coupling(model))) continue;
       Variant variant;
       variant.words = "an own stiffness along " + place.name;
       model::Term term =

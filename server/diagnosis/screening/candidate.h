@@ -47,6 +47,7 @@ struct ScreenOptions {
   int null_twins = 1000;
   unsigned long long seed = 1;
   bool keep_spaces = false;
+  std::vector<std::string> effects = {};  ///< ids of those that may be tried; none: all
 };
 
 }  // namespace tenter::diagnosis

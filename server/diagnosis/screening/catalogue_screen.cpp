@@ -91,7 +91,9 @@ void screen_catalogue(const model::Model& fitted, const Excitation& excitation,
     ScreenRow row;
     row.effect = &effect;
     variants.emplace_back();
-    if (const auto why = why_not_excited(effect, fitted, excitation)) {
+    if (!options.effects.empty() && !std::ranges::count(options.effects, effect.id)) {
+      row.status = "not asked for";
+    } else if (const auto why = why_not_excited(effect, fitted, excitation)) {
       row.status = "not excited: " + *why;
     } else {
       variants.back() = variants_of(effect, fitted, excitation);

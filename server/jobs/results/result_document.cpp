@@ -28,6 +28,23 @@ json r2_of(const std::optional<diagnosis::Score>& score) {
   return score ? number(score->r2) : json(nullptr);
 }
 
+/// The proposed pull for machines: strains, rates and seconds.
+json design_json(const diagnosis::Design& design) {
+  json steps = json::array();
+  for (const diagnosis::ExperimentStep& step : design.plan.steps)
+    steps.push_back(step.is_hold ? json{{"kind", "hold"}, {"seconds", step.seconds}}
+                                 : json{{"kind", "ramp"},
+                                        {"strain", number(step.strain)},
+                                        {"rate_per_s", number(step.rate_per_s)}});
+  return {{"mounted_as", design.mounted_as},
+          {"component", estimation::component_name(design.plan.component)},
+          {"steps", steps},
+          {"duration_s", number(design.plan.duration_s())},
+          {"largest_force_N_m", number(design.separation.largest_N_m)},
+          {"expected_separation", number(design.separation.of_noise())},
+          {"pulls_considered", design.considered}};
+}
+
 json verdict_json(const diagnosis::Verdict& v) {
   json protocol = nullptr;
   if (v.next_protocol) {
@@ -36,6 +53,7 @@ json verdict_json(const diagnosis::Verdict& v) {
       phases.push_back({{"kind", phase.kind}, {"words", phase.words}});
     protocol = {
         {"name", v.next_protocol->name}, {"words", v.next_protocol->words}, {"phases", phases}};
+    if (v.design) protocol["design"] = design_json(*v.design);
   }
   json evidence = json::object();
   for (const auto& [name, value] : v.evidence) evidence[name] = number(value);

@@ -11,6 +11,7 @@
 #include "common/capture/strips/strip_profiles.h"
 #include "common/model/document.h"
 #include "server/diagnosis/diagnose.h"
+#include "server/diagnosis/effect.h"
 #include "server/jobs/friction_test/run_friction_test.h"
 #include "server/jobs/results/result_document.h"
 #include "server/jobs/scene/run_scene.h"
@@ -34,13 +35,25 @@ Expected<void> read_number(const json& options, const char* key, long long lo, l
   return {};
 }
 
+/// A limit of the rig, above zero; the option's default where it is absent.
+Expected<void> read_limit(const json& options, const char* key, double& value) {
+  if (!options.contains(key)) return {};
+  const json& given = options[key];
+  if (!given.is_number() || !(given.get<double>() > 0.0))
+    return bad_input(std::string("options.") + key + ": must be a number above zero, not " +
+                     given.dump());
+  value = given.get<double>();
+  return {};
+}
+
 Expected<diagnosis::Options> read_options(const json& spec) {
   diagnosis::Options options;
   if (!spec.contains("options") || spec["options"].is_null()) return options;
   const json& given = spec["options"];
   if (!given.is_object()) return bad_input("options: must be an object");
-  static const std::set<std::string> kKnown = {"seed", "null_twins", "max_effects",
-                                               "max_frames_per_block", "leave_out"};
+  static const std::set<std::string> kKnown = {
+      "seed",       "null_twins", "max_effects",    "max_frames_per_block", "leave_out", "effects",
+      "rig_strain", "rig_N_m",    "rig_rate_per_s", "rig_seconds",          "continues"};
   for (const auto& [key, value] : given.items())
     if (!kKnown.contains(key)) return bad_input("options." + key + ": no such option");
   for (Expected<void> read :
@@ -49,6 +62,21 @@ Expected<diagnosis::Options> read_options(const json& spec) {
         read_number(given, "max_effects", 0, 20, options.max_effects),
         read_number(given, "max_frames_per_block", 10, 100000, options.max_frames_per_block)})
     if (!read) return tl::unexpected(read.error());
+  for (Expected<void> read : {read_limit(given, "rig_strain", options.rig.largest_strain),
+                              read_limit(given, "rig_N_m", options.rig.largest_N_m),
+                              read_limit(given, "rig_rate_per_s", options.rig.fastest_per_s),
+                              read_limit(given, "rig_seconds", options.rig.longest_s)})
+    if (!read) return tl::unexpected(read.error());
+  if (given.contains("effects")) {
+    const json& ids = given["effects"];
+    if (!ids.is_array()) return bad_input("options.effects: must be a list of ids of effects");
+    for (const json& id : ids) {
+      if (!id.is_string() || diagnosis::find_effect(id.get<std::string>()) == nullptr)
+        return bad_input("options.effects: " + id.dump() +
+                         " is no effect that a model can be extended by (tenter effects list)");
+      options.effects.push_back(id.get<std::string>());
+    }
+  }
   if (given.contains("leave_out")) {
     static const std::set<std::string> kKinds = {"auto", "protocols", "repeats",
                                                  "runs", "blocks",    "none"};
@@ -91,6 +119,23 @@ Expected<bool> are_sheets(const Captures& captures, const std::string& kind) {
 bool has_protocol(const json& spec) {
   return spec.contains("options") && spec["options"].is_object() &&
          spec["options"].contains("protocol");
+}
+
+bool goes_on(const json& spec) {
+  return spec.contains("options") && spec["options"].is_object() &&
+         spec["options"].contains("continues");
+}
+
+/// Of captures that a diagnosis goes on with, those without time cannot speak of rates beside those
+/// with: titles of what was taken out.
+std::vector<std::string> set_aside_timeless(Captures& captures) {
+  const auto has_time = [](const auto& entry) { return !entry.second.time_s.empty(); };
+  std::vector<std::string> titles;
+  if (std::none_of(captures.begin(), captures.end(), has_time)) return titles;
+  for (const auto& entry : captures)
+    if (!has_time(entry)) titles.push_back(entry.second.title);
+  std::erase_if(captures, [&](const auto& entry) { return !has_time(entry); });
+  return titles;
 }
 
 Expected<diagnosis::Request> read_request(Captures captures, const json& spec) {
@@ -136,6 +181,8 @@ Expected<void> run_job(const JobInput& input, const std::function<void(const Job
     if (capture.kind == capture::kStripsKind)
       return bad_input("capture \"" + capture.title +
                        "\": strips are fitted with options.protocol spiral or cantilever");
+  std::vector<std::string> timeless;
+  if (goes_on(spec)) timeless = set_aside_timeless(*captures);
   auto request = read_request(std::move(*captures), spec);
   if (!request) return tl::unexpected(request.error());
 
@@ -149,7 +196,12 @@ Expected<void> run_job(const JobInput& input, const std::function<void(const Job
   if (!found) return tl::unexpected(found.error());
 
   report({"write", "", 0, 0.0, 0.98});
-  const std::string text = result_document(*found, *request, kind).dump(1) + "\n";
+  for (const std::string& title : timeless)
+    found->checklist.push_back(
+        {"WARNING", "set aside: " + title, "it has no time, and what it is continued with has"});
+  json document = result_document(*found, *request, kind);
+  if (goes_on(spec)) document["continues"] = spec["options"]["continues"];
+  const std::string text = document.dump(1) + "\n";
   if (auto written =
           write_atomically((input.staging / "result.json").string(), text.data(), text.size());
       !written)

@@ -43,54 +43,6 @@ Eigen::VectorXd constant(const std::vector<estimation::Row>& rows, double force,
   return residuals;
 }
 
-TEST(SizeBetween, IsTheShareOfTheForce) {
-  const estimation::DataSet set = data();
-  const auto rows = set.rows();
-  // 4 sigma of 0.5 are 2 of 10
-  const SizeInterval size =
-      size_between(set, rows, constant(rows, 4.0, 0.0), constant(rows, 0.0, 0.0), 1);
-  EXPECT_TRUE(size.of_force);
-  EXPECT_NEAR(size.size, 0.2, 1e-12);
-  EXPECT_NEAR(size.lo, 0.2, 1e-12);  // the same in every block
-  EXPECT_NEAR(size.hi, 0.2, 1e-12);
-  // what stays counts against it: sqrt(5^2 - 3^2) = 4
-  EXPECT_NEAR(size_between(set, rows, constant(rows, 5.0, 0.0), constant(rows, 3.0, 0.0), 1).size,
-              0.2, 1e-12);
-}
-
-TEST(SizeBetween, IsOfTheStretchWhereTheForceIsLeftAlone) {
-  const estimation::DataSet set = data();
-  const auto rows = set.rows();
-  // 20 sigma of 0.001 are a fifth of the stretch beyond one
-  const SizeInterval size =
-      size_between(set, rows, constant(rows, 1.0, 20.0), constant(rows, 1.0, 0.0), 1);
-  EXPECT_FALSE(size.of_force);
-  EXPECT_NEAR(size.size, 0.2, 1e-9);
-}
-
-TEST(SizeBetween, OfAnEffectInFewBlocksIsUncertain) {
-  const estimation::DataSet set = data();
-  const auto rows = set.rows();
-  Eigen::VectorXd without = constant(rows, 0.0, 0.0);
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    if (rows[r].channel == 0 && rows[r].block < 2) without[static_cast<Eigen::Index>(r)] = 4.0;
-  const SizeInterval size = size_between(set, rows, without, constant(rows, 0.0, 0.0), 1);
-  EXPECT_NEAR(size.size, 0.2 * std::sqrt(0.2), 1e-12);
-  EXPECT_LT(size.lo, 0.6 * size.size);
-  EXPECT_GT(size.hi, 1.3 * size.size);
-  const SizeInterval again = size_between(set, rows, without, constant(rows, 0.0, 0.0), 1);
-  EXPECT_EQ(size.lo, again.lo);
-}
-
-TEST(SizeBetween, OfNothingIsNothing) {
-  const estimation::DataSet set = data();
-  const auto rows = set.rows();
-  EXPECT_EQ(size_between(set, rows, constant(rows, 1.0, 1.0), constant(rows, 1.0, 1.0), 1).size,
-            0.0);
-  EXPECT_EQ(size_between(set, rows, constant(rows, 1.0, 1.0), constant(rows, 2.0, 2.0), 1).size,
-            0.0);
-}
-
 TEST(ScoreOf, IsTheRelativeErrorOfTheForceAlone) {
   const estimation::DataSet set = data();
   const auto rows = set.rows();

@@ -8,6 +8,7 @@
 #include "common/model/presets.h"
 #include "server/diagnosis/diagnose.h"
 #include "server/diagnosis/verdicts.h"
+#include "tests/twin/exam/next_capture.h"
 #include "tests/twin/generator.h"
 
 namespace tenter::exam {
@@ -79,6 +80,62 @@ std::string Answer::line() const {
   return words.empty() ? "no verdict" : words;
 }
 
+namespace {
+
+Expected<diagnosis::Diagnosis> diagnose_twin(twin::Twin twin,
+                                             const diagnosis::Options& options = {}) {
+  diagnosis::Request request;
+  request.options = options;
+  auto baseline = model::preset(twin.baseline_preset);
+  if (!baseline) return tl::unexpected(baseline.error());
+  request.model = *baseline;
+  for (std::size_t i = 0; i < twin.captures.size(); ++i)
+    request.captures.emplace_back("twin" + std::to_string(i), std::move(twin.captures[i]));
+  return diagnosis::diagnose(request, diagnosis::Control());
+}
+
+/// The same captures with a catalogue that knows only what hides: what the true model would have
+/// foretold, left out in the same way.
+void compare(const Question& question, const diagnosis::Diagnosis& found, twin::Twin twin,
+             Answer& answer) {
+  if (!found.held_out_after) return;
+  diagnosis::Options options;
+  options.effects = question.truths;
+  options.leave_out = found.held_out_kind;
+  if (question.truths.empty()) options.max_effects = 0;
+  const auto truth = diagnose_twin(std::move(twin), options);
+  if (truth && truth->held_out_after && truth->held_out_kind == found.held_out_kind)
+    answer.held_out_truth = truth->held_out_after->error;
+}
+
+/// Does what the first AMBIGUOUS verdict proposes, and asks again.
+void resolve(const Question& question, const diagnosis::Diagnosis& found, Answer& answer) {
+  const auto ambiguous = std::find_if(
+      found.verdicts.begin(), found.verdicts.end(),
+      [](const auto& verdict) { return verdict.kind == diagnosis::VerdictKind::ambiguous; });
+  if (ambiguous == found.verdicts.end()) return;
+  answer.was_ambiguous = true;
+  const auto suite = twin::plan_suite(question.twin.suite, twin::Random(question.twin.seed));
+  if (!ambiguous->design || !suite) return;
+  const auto plan = planned(*ambiguous->design, *suite);
+  if (!plan) return;
+  answer.proposed = plan->name + ", mounted as " + ambiguous->design->mounted_as;
+  twin::TwinCase twin_case = question.twin;
+  twin_case.more = {*plan};
+  auto twin = twin::make_twin(twin_case);
+  if (!twin) return;
+  // what was recorded without time cannot speak of rates
+  const bool has_time = std::any_of(twin->captures.begin(), twin->captures.end(),
+                                    [](const auto& c) { return !c.time_s.empty(); });
+  if (has_time) std::erase_if(twin->captures, [](const auto& c) { return c.time_s.empty(); });
+  const auto again = diagnose_twin(std::move(*twin));
+  if (!again) return;
+  for (const diagnosis::Verdict& verdict : again->verdicts)
+    answer.said_next.push_back(said_in(verdict));
+}
+
+}  // namespace
+
 Answer ask(const Question& question) {
   Answer answer;
   const auto start = std::chrono::steady_clock::now();
@@ -87,19 +144,16 @@ Answer ask(const Question& question) {
     answer.trouble = twin.error().message;
     return answer;
   }
-  answer.achieved_size = twin->achieved_size;
-  auto baseline = model::preset(twin->baseline_preset);
-  if (!baseline) {
-    answer.trouble = baseline.error().message;
-    return answer;
-  }
-  diagnosis::Request request;
-  request.model = *baseline;
-  for (std::size_t i = 0; i < twin->captures.size(); ++i)
-    request.captures.emplace_back("twin" + std::to_string(i), std::move(twin->captures[i]));
-  const auto found = diagnosis::diagnose(request, diagnosis::Control());
+  for (const twin::Hidden& hidden : twin->hidden)
+    answer.achieved_size = &hidden == &twin->hidden.front()
+                               ? hidden.achieved_size
+                               : std::min(answer.achieved_size, hidden.achieved_size);
+  if (twin->hidden.size() == 1) answer.true_share = twin->hidden.front().share_of_force;
+  const auto found = diagnose_twin(*twin);
   if (found) {
     take_over(*found, answer);
+    if (question.compare) compare(question, *found, std::move(*twin), answer);
+    if (question.resolve) resolve(question, *found, answer);
   } else {
     answer.trouble = found.error().message;
   }

@@ -28,13 +28,20 @@ struct Answer {
   std::vector<Said> said;
   std::vector<std::string> path;  ///< additions and rejections, one line each
   std::string trouble;            ///< why there is no answer, "" where there is one
-  double achieved_size = 0.0;     ///< of what hides, as the generator could make it
+  double achieved_size = 0.0;     ///< of what hides (the smaller of two), as it could be made
+  double true_share = 0.0;        ///< of the force, where one effect hides; 0: not known
   double noise_floor = 0.0;
   double error_before = 0.0;
   double error_after = 0.0;
   std::optional<double> held_out_before, held_out_after;
+  std::optional<double> held_out_truth;  ///< of the model extended by what hides, where asked
   double unexplained_share = 0.0;
   double seconds = 0.0;
+  /// Of an AMBIGUOUS answer where that was asked: the capture it proposes, "" where none can be
+  /// done, and what is said with that capture beside the others.
+  bool was_ambiguous = false;
+  std::string proposed;
+  std::vector<Said> said_next;
 
   std::string line() const;  ///< all verdicts but NOT_EXCITED
 };

@@ -10,7 +10,7 @@ namespace {
 
 Question about(const std::string& truth) {
   Question question;
-  question.truth = truth;
+  question.truths = {truth};
   question.twin.effects = {truth};
   question.twin.size = 3.0;
   return question;
@@ -71,6 +71,21 @@ TEST(Mark, FrictionLawsStandForEachOtherAndNothingElseDoes) {
   EXPECT_TRUE(counts_as("strain_dependent_friction", "internal_friction"));
   EXPECT_FALSE(counts_as("internal_friction", "viscosity"));
   EXPECT_FALSE(counts_as("load_cell_offset", "load_cell_drift"));
+}
+
+TEST(Mark, OfAPairBothAreWanted) {
+  Question question = about("viscosity");
+  question.kind = Kind::pair;
+  question.truths = {"viscosity", "load_cell_drift"};
+  const Mark both = mark(question, saying({kNamedViscosity, kDrift}));
+  EXPECT_EQ(both.grade, Grade::right);
+  EXPECT_EQ(both.held, question.truths);
+  const Mark one = mark(question, saying({kNamedViscosity, kUnexplained}));
+  EXPECT_EQ(one.grade, Grade::partly);
+  EXPECT_EQ(one.held, std::vector<std::string>{"viscosity"});
+  // one group that holds both is no answer to which is which, but denies neither
+  EXPECT_EQ(mark(question, saying({group({"viscosity", "load_cell_drift"})})).grade, Grade::right);
+  EXPECT_EQ(mark(question, saying({group({"plastic_set", "clip_slip"})})).grade, Grade::wrong);
 }
 
 TEST(Mark, WhereTheRateIsHiddenOnlyTheGroupIsRight) {

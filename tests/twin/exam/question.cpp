@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "tests/twin/hidden_effects.h"
+#include "tests/twin/random.h"
 #include "tests/twin/suite.h"
 
 namespace tenter::exam {
@@ -34,6 +36,64 @@ std::vector<std::string> forms_of(const twin::HiddenEffect& effect) {
   return forms;
 }
 
+/// Pairs of which a twin can be made and whose halves are two names.
+bool can_pair(const std::string& a, const std::string& b) {
+  const auto are = [&](const char* one, const char* other) {
+    return (a == one && b == other) || (a == other && b == one);
+  };
+  return !are("anisotropy", "poisson_coupling") &&
+         !are("internal_friction", "strain_dependent_friction");
+}
+
+struct Pair {
+  const twin::HiddenEffect* first;
+  const twin::HiddenEffect* second;
+};
+
+/// All pairs that a suite can show, in an order drawn by the seed.
+std::vector<Pair> shuffled_pairs(const Paper& paper, const std::string& suite) {
+  const auto& effects = twin::hidden_effects();
+  const auto may_hide = [&](const twin::HiddenEffect& effect) {
+    const bool asked =
+        paper.effects.empty() ||
+        std::find(paper.effects.begin(), paper.effects.end(), effect.id) != paper.effects.end();
+    return asked && !effect.foreign && can_show(suite, effect);
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t i = 0; i < effects.size(); ++i)
+    for (std::size_t j = i + 1; j < effects.size(); ++j)
+      if (may_hide(effects[i]) && may_hide(effects[j]) && can_pair(effects[i].id, effects[j].id))
+        pairs.push_back({&effects[i], &effects[j]});
+  twin::Random order(twin::stream_seed(paper.first_seed, suite + " pairs"));
+  for (std::size_t i = pairs.size(); i > 1; --i)
+    std::swap(pairs[i - 1], pairs[static_cast<std::size_t>(order.below(static_cast<int>(i)))]);
+  return pairs;
+}
+
+void add_pairs(const Paper& paper, const std::string& suite, std::vector<Question>& questions) {
+  if (paper.pairs <= 0) return;
+  const std::vector<Pair> pairs = shuffled_pairs(paper, suite);
+  if (pairs.empty()) return;
+  for (const double size : paper.sizes) {
+    for (int turn = 0; turn < paper.pairs; ++turn) {
+      const auto t = static_cast<std::size_t>(turn);
+      const Pair& pair = pairs[t % pairs.size()];
+      Question question;
+      question.kind = Kind::pair;
+      question.twin.size = size;
+      question.twin.suite = suite;
+      question.twin.seed = paper.first_seed + t;
+      for (const twin::HiddenEffect* effect : {pair.first, pair.second}) {
+        const std::vector<std::string> forms = forms_of(*effect);
+        question.truths.push_back(effect->id);
+        question.twin.effects.push_back(forms[t % forms.size()]);
+        question.rate_hidden |= hides_rate(suite) && is_rate_question(effect->id);
+      }
+      questions.push_back(std::move(question));
+    }
+  }
+}
+
 /// The same null in the light of each baseline.
 twin::TwinCase null_twin(const std::string& suite, int turn, std::uint64_t seed) {
   twin::TwinCase twin;
@@ -45,6 +105,12 @@ twin::TwinCase null_twin(const std::string& suite, int turn, std::uint64_t seed)
 }
 
 }  // namespace
+
+std::string Question::truth() const {
+  std::string words;
+  for (const std::string& id : truths) words += (words.empty() ? "" : " + ") + id;
+  return words;
+}
 
 std::string Question::name() const {
   std::ostringstream words;
@@ -79,7 +145,7 @@ Expected<std::vector<Question>> set_questions(const Paper& paper) {
         for (int turn = 0; turn < paper.seeds; ++turn) {
           Question question;
           question.kind = effect.foreign ? Kind::foreign : Kind::effect;
-          question.truth = effect.id;
+          question.truths = {effect.id};
           question.twin.effects = {forms[static_cast<std::size_t>(turn) % forms.size()]};
           question.twin.size = size;
           question.twin.suite = suite;
@@ -89,12 +155,17 @@ Expected<std::vector<Question>> set_questions(const Paper& paper) {
         }
       }
     }
+    add_pairs(paper, suite, questions);
     for (int turn = 0; turn < paper.nulls; ++turn) {
       Question question;
       question.kind = Kind::null;
       question.twin = null_twin(suite, turn, paper.first_seed + static_cast<std::uint64_t>(turn));
       questions.push_back(std::move(question));
     }
+  }
+  for (Question& question : questions) {
+    question.resolve = paper.resolve;
+    question.compare = paper.compare;
   }
   return questions;
 }

@@ -16,19 +16,23 @@ namespace tenter::exam {
 
 enum class Kind {
   effect,   ///< something of the catalogue hides
+  pair,     ///< two of the catalogue at once
   null,     ///< nothing hides
   foreign,  ///< something hides that the catalogue lacks
 };
 
 struct Question {
   Kind kind = Kind::effect;
-  std::string truth;  ///< id of the effect, "" for a null twin
+  std::vector<std::string> truths;  ///< ids of what hides, none in a null twin
   twin::TwinCase twin;
   /// No time, or one rate without a hold: friction and viscosity look the same, and the right
   /// answer is a group that holds both.
   bool rate_hidden = false;
+  bool compare = false;  ///< with the model that is extended by what hides
+  bool resolve = false;  ///< an AMBIGUOUS answer gets the capture that it asks for
 
-  std::string name() const;  ///< "rich viscosity:maxwell size 3 seed 2"
+  std::string truth() const;  ///< "viscosity", "outliers + plastic_set", "" for a null twin
+  std::string name() const;   ///< "rich viscosity:maxwell size 3 seed 2"
 };
 
 struct Paper {
@@ -38,6 +42,9 @@ struct Paper {
   int seeds = 3;  ///< of each effect and size; variants take turns
   int nulls = 0;  ///< null twins in each suite
   bool foreign = false;
+  bool compare = false;  ///< errors on left-out data with those of the true model
+  bool resolve = false;  ///< AMBIGUOUS answers get the capture that they ask for
+  int pairs = 0;  ///< twins in which two effects hide, in each suite and size; drawn by the seed
   std::uint64_t first_seed = 1;
 };
 

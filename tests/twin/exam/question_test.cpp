@@ -37,12 +37,12 @@ TEST(Questions, AskOnlyWhatTheSuiteCanShow) {
   const auto questions = set_questions(paper);
   ASSERT_TRUE(questions);
   for (const Question& question : *questions) {
-    EXPECT_FALSE(question.twin.suite == "no_time" && question.truth == "load_cell_drift");
-    EXPECT_FALSE(question.twin.suite == "knit_like" && question.truth == "internal_friction");
+    EXPECT_FALSE(question.twin.suite == "no_time" && question.truth() == "load_cell_drift");
+    EXPECT_FALSE(question.twin.suite == "knit_like" && question.truth() == "internal_friction");
     EXPECT_EQ(question.rate_hidden,
               question.twin.suite == "no_time" &&
-                  (question.truth == "viscosity" || question.truth == "internal_friction" ||
-                   question.truth == "strain_dependent_friction"));
+                  (question.truth() == "viscosity" || question.truth() == "internal_friction" ||
+                   question.truth() == "strain_dependent_friction"));
   }
 }
 

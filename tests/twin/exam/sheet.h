@@ -26,6 +26,7 @@ struct Figure {
   int count = 0;
   int of = 0;
   std::optional<double> at_least, at_most;
+  std::optional<double> mean;  ///< judged instead of the share, where there is one
 
   double share() const { return of > 0 ? static_cast<double>(count) / of : 0.0; }
   bool met() const;  ///< nothing asked: met

@@ -37,14 +37,21 @@ std::vector<Paper> full_examination(std::uint64_t first_seed) {
   rich.seeds = 10;
   rich.nulls = 200;
   rich.foreign = true;
+  rich.resolve = true;
   rich.first_seed = first_seed;
   Paper hidden_rate;
   hidden_rate.effects = {"internal_friction", "strain_dependent_friction", "viscosity"};
   hidden_rate.suites = {"single_rate", "no_time"};
   hidden_rate.seeds = 10;
   hidden_rate.nulls = 40;
+  hidden_rate.resolve = true;
   hidden_rate.first_seed = first_seed;
-  return {rich, hidden_rate};
+  Paper pairs;
+  pairs.sizes = {3.0};
+  pairs.seeds = 0;
+  pairs.pairs = 100;
+  pairs.first_seed = first_seed;
+  return {rich, hidden_rate, pairs};
 }
 
 void write_file(const std::filesystem::path& path, const auto& write) {
@@ -103,6 +110,13 @@ int main(int argc, char** argv) {
       ->check(CLI::NonNegativeNumber);
   app.add_option("--nulls", options.paper.nulls, "twins in which nothing hides; default: 0")
       ->check(CLI::NonNegativeNumber);
+  app.add_option("--pairs", options.paper.pairs,
+                 "twins of each size in which two effects hide; default: 0")
+      ->check(CLI::NonNegativeNumber);
+  app.add_flag("--compare", options.paper.compare,
+               "errors on left-out data with those of the model that holds what hides");
+  app.add_flag("--resolve", options.paper.resolve,
+               "do the capture that an AMBIGUOUS answer asks for, and ask again");
   app.add_flag("--foreign", options.paper.foreign, "effects that the catalogue lacks, too");
   app.add_option("--first-seed", options.paper.first_seed, "default: 1");
   app.add_option("--threads", options.threads)->check(CLI::Range(1, 64));

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How much of the force does an effect account for? What lies between the prediction with it and
+// the one without, both fitted, rms over the rms of the measured force.
+//
+//   D = r_with - r_without            size = |D| / |measured|, over the stress rows, in N/m
+//
+// Noise moves D only in the space Q that the effect adds to the model's own columns:
+//
+//   D* = D + Q Q' e*       e*: residuals of the larger model, each block's with a random sign
+//
+// so noise makes |D| too large by the mean of |Q Q' e*|^2, which is taken off, and the scatter of
+// |D*| gives the 95 % interval. Blocks keep their sign as a whole: errors within a block go
+// together (design, step 3).
+#pragma once
+
+#include "server/estimation/fit.h"
+
+namespace tenter::diagnosis {
+
+struct SizeInterval {
+  bool of_force = true;  ///< else of the free stretches: the effect leaves the force alone
+  double size = 0.0;
+  double lo = 0.0;
+  double hi = 0.0;
+};
+
+/// Both fits to the same data. Interval and size are equal where `with` adds no column of its own.
+SizeInterval effect_size(const estimation::DataSet& data, const estimation::FitResult& without,
+                         const estimation::FitResult& with, unsigned long long seed);
+
+}  // namespace tenter::diagnosis

@@ -358,9 +358,9 @@ Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
   }
   const auto look_again = [&] {
     d.extended = current;
-    d.last_screen =
-        screen(current.model, current.fit, d.data, d.noise, excitation,
-               {request.options.null_twins, request.options.seed + 99, request.options.effects});
+    d.last_screen = screen(
+        current.model, current.fit, d.data, d.noise, excitation,
+        {request.options.null_twins, request.options.seed + 99, false, request.options.effects});
   };
   look_again();
   const std::size_t found = accepted.size();

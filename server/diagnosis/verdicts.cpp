@@ -9,6 +9,7 @@
 #include "server/diagnosis/checks/lattice.h"
 #include "server/diagnosis/effect_size.h"
 #include "server/diagnosis/model_edit.h"
+#include "server/diagnosis/next/design.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/score.h"
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "server/diagnosis/next/design.h"
+#include "server/diagnosis/next/separation.h"
 #include "tests/server/diagnosis/prepared_twin.h"
 
 namespace tenter::diagnosis {

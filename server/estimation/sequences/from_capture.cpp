@@ -11,6 +11,7 @@
 #include "server/estimation/sequences/material/material_locator.h"
 #include "server/estimation/sequences/material/measured_state.h"
 #include "server/estimation/sequences/sensors/cord_directions.h"
+#include "server/estimation/sequences/sensors/hidden_points.h"
 
 namespace tenter::estimation {
 
@@ -151,20 +152,22 @@ class Making {
     CaptureUse& use = out_.use;
     use.vertices = static_cast<int>(sheet_.vertex_count());
     std::map<int, MaterialLocation> location_of;
+    std::vector<Eigen::Vector2d> tracked;
     for (int vertex = 0; vertex < use.vertices; ++vertex) {
       const auto k = static_cast<std::size_t>(vertex);
       const auto at = locator.locate({sheet_.material_m[k][0], sheet_.material_m[k][1]});
-      if (in_clips[k])
-        ++use.in_clips;
-      else if (!at)
-        ++use.outside;
-      else if (!is_seen(vertex))
-        ++use.never_seen;
-      else {
-        candidates.push_back(vertex);
-        location_of.emplace(vertex, *at);
+      if (in_clips[k] || !at) {
+        ++(in_clips[k] ? use.in_clips : use.outside);
+        continue;
       }
+      tracked.emplace_back(sheet_.material_m[k][0], sheet_.material_m[k][1]);
+      location_of.emplace(vertex, *at);
+      if (is_seen(vertex))
+        candidates.push_back(vertex);
+      else
+        ++use.never_seen;
     }
+    sequence().spacing_m = spacing_m(tracked);
     out_.vertex = spread_evenly(sheet_.material_m, candidates, options_.most_points);
     use.points = static_cast<int>(out_.vertex.size());
     use.thinned = static_cast<int>(candidates.size()) - use.points;
@@ -176,7 +179,9 @@ class Making {
       if (!(sigma > 0.0)) return bad_input("the capture does not say how noisy its positions are");
       sequence().points.push_back({{sheet_.material_m[k][0], sheet_.material_m[k][1]}, sigma});
       locations_.push_back(location_of.at(vertex));
+      location_of.erase(vertex);
     }
+    others_.assign(location_of.begin(), location_of.end());
     return {};
   }
 
@@ -313,11 +318,7 @@ class Making {
     for (const int node : held) is_fixed[static_cast<std::size_t>(node)] = true;
     frame.points_m.resize(3, static_cast<Eigen::Index>(out_.vertex.size()));
     for (std::size_t k = 0; k < out_.vertex.size(); ++k) {
-      const MaterialLocation& at = locations_[k];
-      bool is_held = true;
-      for (std::size_t a = 0; a < 3; ++a)
-        is_held = is_held && (std::abs(at.weight[a]) < 1e-9 ||
-                              is_fixed[static_cast<std::size_t>(at.nodes[a])]);
+      const bool is_held = locations_[k].lies_on(is_fixed);
       for (int c = 0; c < 3; ++c) {
         double value = coordinate(f, out_.vertex[k], c);
         if (c < sheet_.coordinates) {
@@ -327,6 +328,11 @@ class Making {
         if (is_held) value = kNaN;
         frame.points_m(c, static_cast<Eigen::Index>(k)) = value;
       }
+    }
+    for (const auto& [vertex, at] : others_) {
+      const auto& [u, v] = sheet_.material_m[static_cast<std::size_t>(vertex)];
+      if (std::isnan(coordinate(f, vertex, 0)) && !at.lies_on(is_fixed))
+        frame.hidden_m.emplace_back(u, v);
     }
   }
 
@@ -359,7 +365,8 @@ class Making {
   CapturedSequence out_;
   std::vector<mechanics::Clip> clips_;
   std::vector<bool> is_clamped_;
-  std::vector<MaterialLocation> locations_;  ///< of the points
+  std::vector<MaterialLocation> locations_;               ///< of the points
+  std::vector<std::pair<int, MaterialLocation>> others_;  ///< vertices in the mesh that are none
   std::map<std::vector<int>, int> boundary_of_held_;
 };
 

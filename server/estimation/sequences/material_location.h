@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,14 @@ struct MaterialLocation {
     for (std::size_t a = 0; a < 3; ++a)
       p += weight[a] * x.segment<3>(3 * static_cast<Eigen::Index>(nodes[a]));
     return p;
+  }
+  /// Whether these nodes, one flag a node of the mesh, are all that carry it.
+  bool lies_on(const std::vector<bool>& nodes_of_mesh) const {
+    constexpr double kNothing = 1e-9;
+    for (std::size_t a = 0; a < 3; ++a)
+      if (std::abs(weight[a]) >= kNothing && !nodes_of_mesh[static_cast<std::size_t>(nodes[a])])
+        return false;
+    return true;
   }
 };
 

@@ -75,7 +75,9 @@ struct SequenceFrame {
   Eigen::Matrix3Xd points_m;                               ///< one column a PointChannel
   Eigen::VectorXd forces_N;                                ///< one a ForceChannel
   Eigen::VectorXd scalars;                                 ///< one a ScalarChannel: N m, m or m^2
-  int block = 0;                                           ///< of this sequence, from 0
+  /// Places in the material (u, v) that were tracked, are no PointChannel, and were not seen here.
+  std::vector<Eigen::Vector2d> hidden_m;
+  int block = 0;            ///< of this sequence, from 0
   double duration_s = 0.0;  ///< since the frame before, for laws and sensors that know time
 };
 
@@ -90,6 +92,7 @@ struct Sequence {
   double weight = 1.0;     ///< of its part of the cost, beside what the fit's weighting gives it
   /// Unit, from the sheet to what sees its points: what they are blurred with lies along it.
   Eigen::Vector3d camera_axis = Eigen::Vector3d::UnitZ();
+  double spacing_m = 0.0;  ///< in the material, of all that was tracked; 0: that of the points
   std::vector<PointChannel> points;
   std::vector<ForceChannel> forces;
   std::vector<ScalarChannel> scalars;

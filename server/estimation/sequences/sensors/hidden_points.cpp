@@ -11,26 +11,6 @@ namespace tenter::estimation {
 
 namespace {
 
-/// [point]: those within 1.5 times the spacing.
-std::vector<std::vector<std::size_t>> neighbours_of(const std::vector<PointChannel>& points) {
-  constexpr double kReach = 1.5;
-  const auto distance = [&](std::size_t a, std::size_t b) {
-    return (points[a].material_m - points[b].material_m).norm();
-  };
-  std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t a = 0; a < points.size(); ++a)
-    for (std::size_t b = 0; b < points.size(); ++b)
-      if (a != b) nearest[a] = std::min(nearest[a], distance(a, b));
-  std::vector<std::vector<std::size_t>> neighbours(points.size());
-  if (points.size() < 2) return neighbours;
-  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
-  std::nth_element(nearest.begin(), middle, nearest.end());
-  for (std::size_t a = 0; a < points.size(); ++a)
-    for (std::size_t b = 0; b < points.size(); ++b)
-      if (a != b && distance(a, b) <= kReach * *middle) neighbours[a].push_back(b);
-  return neighbours;
-}
-
 /// [node]: held or in a clip.
 std::vector<bool> fixed_nodes(const Sequence& sequence, const mechanics::Boundary& boundary) {
   std::vector<bool> is_fixed(static_cast<std::size_t>(sequence.cloth.mesh.node_count()), false);
@@ -42,33 +22,49 @@ std::vector<bool> fixed_nodes(const Sequence& sequence, const mechanics::Boundar
 
 }  // namespace
 
+/// Along u, so that only what is no further away in u alone is looked at.
+double spacing_m(const std::vector<Eigen::Vector2d>& places_m) {
+  if (places_m.size() < 2) return 0.0;
+  std::vector<Eigen::Vector2d> sorted = places_m;
+  std::sort(sorted.begin(), sorted.end(),
+            [](const auto& a, const auto& b) { return a.x() < b.x(); });
+  std::vector<double> nearest(sorted.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t a = 0; a < sorted.size(); ++a)
+    for (std::size_t b = a + 1; b < sorted.size(); ++b) {
+      const Eigen::Vector2d way = sorted[b] - sorted[a];
+      if (way.x() > nearest[a]) break;
+      nearest[a] = std::min(nearest[a], way.norm());
+      nearest[b] = std::min(nearest[b], way.norm());
+    }
+  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
+  std::nth_element(nearest.begin(), middle, nearest.end());
+  return *middle;
+}
+
 std::vector<std::vector<bool>> beside_hidden(const Sequence& sequence) {
-  const std::size_t points = sequence.points.size();
-  const auto neighbours = neighbours_of(sequence.points);
   const MaterialLocator locator(sequence.cloth.mesh);
-  std::vector<MaterialLocation> places;
-  for (const PointChannel& point : sequence.points)
-    places.push_back(locator.locate(point.material_m).value_or(MaterialLocation{}));
+  std::vector<Eigen::Vector2d> points;
+  std::vector<MaterialLocation> locations;
+  for (const PointChannel& point : sequence.points) {
+    points.push_back(point.material_m);
+    locations.push_back(locator.locate(point.material_m).value_or(MaterialLocation{}));
+  }
+  const double reach = 1.5 * (sequence.spacing_m > 0.0 ? sequence.spacing_m : spacing_m(points));
   std::vector<std::vector<bool>> beside;
   for (const SequenceFrame& frame : sequence.frames) {
     const auto is_fixed =
         fixed_nodes(sequence, sequence.boundaries[static_cast<std::size_t>(frame.boundary)]);
-    const auto is_seen = [&](std::size_t k) {
-      return !frame.points_m.col(static_cast<Eigen::Index>(k)).array().isNaN().all();
-    };
-    const auto is_hidden = [&](std::size_t k) {
-      bool is_held = true;
-      for (std::size_t a = 0; a < 3; ++a)
-        is_held = is_held && (std::abs(places[k].weight[a]) < 1e-9 ||
-                              is_fixed[static_cast<std::size_t>(places[k].nodes[a])]);
-      return !is_seen(k) && !is_held;
-    };
-    auto& of_frame = beside.emplace_back(points, false);
-    for (std::size_t k = 0; k < points; ++k) {
-      if (!is_hidden(k)) continue;
-      for (const std::size_t other : neighbours[k])
-        if (is_seen(other)) of_frame[other] = true;
+    std::vector<Eigen::Vector2d> hidden = frame.hidden_m;
+    std::vector<bool> is_seen(points.size(), false);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      is_seen[k] = !frame.points_m.col(static_cast<Eigen::Index>(k)).array().isNaN().all();
+      if (!is_seen[k] && !locations[k].lies_on(is_fixed)) hidden.push_back(points[k]);
     }
+    auto& of_frame = beside.emplace_back(points.size(), false);
+    for (std::size_t k = 0; k < points.size(); ++k)
+      of_frame[k] = is_seen[k] && std::any_of(hidden.begin(), hidden.end(), [&](const auto& place) {
+                      return (points[k] - place).norm() <= reach;
+                    });
   }
   return beside;
 }

@@ -286,6 +286,21 @@ TEST(FromCapture, FramesLastAsLongAsTheClockSays) {
   EXPECT_EQ(durations(), (std::vector<double>{0.0, 1.5, 0.0, 3.0}));
 }
 
+TEST(FromCapture, WhatIsNeverSeenIsHiddenInEveryFrame) {
+  Capture capture = pulled_square();
+  Sheet& sheet = *capture.sheet;
+  sheet.may_be_missing = true;
+  for (std::size_t f = 0; f < capture.frame_count(); ++f)
+    for (std::size_t c = 0; c < 3; ++c) sheet.position_m[sheet.at(f, 40) + c] = kNaN;
+  const auto captured = sequence_from_capture(capture, same_grid()).value();
+  EXPECT_EQ(captured.use.never_seen, 1);
+  EXPECT_NEAR(captured.sequence.spacing_m, kSize_m / (kSide - 1), 1e-12);
+  for (const SequenceFrame& frame : captured.sequence.frames) {
+    ASSERT_EQ(frame.hidden_m.size(), 1U);
+    EXPECT_EQ(frame.hidden_m[0], Eigen::Vector2d(sheet.material_m[40][0], sheet.material_m[40][1]));
+  }
+}
+
 TEST(FromCapture, AFreeClipMovesUnderItsCords) {
   Capture capture = pulled_square();
   Sheet& sheet = *capture.sheet;

@@ -5,9 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "common/model/document.h"
 #include "server/estimation/fit.h"
 #include "server/estimation/prediction.h"
+#include "server/estimation/sequences/sensors/hidden_points.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
 #include "tests/server/estimation/sequences/picture_frame.h"
 #include "tests/server/estimation/sequences/sensors/corrected.h"
@@ -218,6 +221,28 @@ TEST(SequenceSensors, CamerasMoveWhatTheySeeAboutTheMiddle) {
       (place(model, 7, 2) - place(sheet_model(false), 7, 2) - Eigen::Vector3d(0, 0, 0.004)).norm(),
       1e-9);
   EXPECT_LT((place(model, 7, 3) - bare).norm(), 1e-9);
+}
+
+/// Also beside what is no channel; places that are held are not hidden.
+TEST(SequenceSensors, NeighboursOfWhatAFrameDidNotSee) {
+  Sequence sequence = six_by_six("one");
+  const auto count = [&](std::size_t frame) {
+    const auto beside = beside_hidden(sequence);
+    return std::count(beside[frame].begin(), beside[frame].end(), true);
+  };
+  EXPECT_EQ(count(1), 0);
+  EXPECT_EQ(count(2), 8);
+  sequence.frames[1].hidden_m = {{0.03, 0.01}};  // beside (0.03, 0.03) and (0.05, 0.03)
+  EXPECT_EQ(count(1), 2);
+  sequence.spacing_m = 0.01;
+  EXPECT_EQ(count(1), 0);
+  EXPECT_EQ(count(2), 0);
+  sequence.spacing_m = 0.0;
+  const auto middle = static_cast<int>(6 * 2 + 2);
+  sequence.boundaries[0].held = {middle, middle + 1, middle + 6, middle + 7};
+  EXPECT_EQ(count(2), 0);
+  EXPECT_NEAR(spacing_m({{0.0, 0.0}, {0.3, 0.0}, {0.0, 0.1}, {0.0, 0.25}, {0.31, 0.02}}), 0.1,
+              1e-12);
 }
 
 TEST(SequenceSensors, OneSequenceMayHaveACorrectionOfItsOwn) {

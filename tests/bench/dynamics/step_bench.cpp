@@ -211,6 +211,7 @@ std::vector<double> print_ways(const Bench& bench, const char* when, double unti
         "%.1e N\n",
         name, ms, ms / floor, cost.iterations / kSteps, cost.factorisations / kSteps,
         cost.evaluations / kSteps, cost.worst_N);
+    std::fflush(stdout);
   }
   return times;
 }

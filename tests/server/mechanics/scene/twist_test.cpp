@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <variant>
 
 #include "common/model/presets.h"
 #include "common/scene/document.h"
+#include "server/mechanics/contact/crossings.h"
 #include "server/mechanics/scene/run.h"
 
 namespace tenter::mechanics {
@@ -64,6 +67,39 @@ TEST(SceneTwist, LeavesWrinklesWithFrictionOnly) {
   EXPECT_GT(elastic.twisted_1_m, 5.0);
   EXPECT_GT(friction.left_1_m, 0.02 * friction.twisted_1_m);
   EXPECT_LT(elastic.left_1_m, 0.1 * friction.left_1_m);
+}
+
+/// An empty sleeve, wrung by nearly a turn: its folds meet edge on edge.
+TEST(SceneTwist, ASleeveThatIsWrungDoesNotPassThroughItself) {
+  int crossed[2] = {};
+  for (const bool keeps_apart : {false, true}) {
+    std::string text = kSleeve;
+    const auto put = [&text](const std::string& instead_of, const std::string& with) {
+      const std::size_t at = text.find(instead_of);
+      ASSERT_NE(at, std::string::npos) << instead_of;
+      text.replace(at, instead_of.size(), with);
+    };
+    put(R"("obstacles": [{"kind": "cylinder", "point_m": [0, 0, 0], "axis": [0, 0, 1], "radius_m": 0.038}],)",
+        "");
+    put(R"("step_s": 0.01, "damping_s": 0.01)",
+        std::string(R"("step_s": 0.005, "damping_s": 0.02, "self_contact_m": )") +
+            (keeps_apart ? "0.003" : "0"));
+    put(R"("frames": 1, "duration_s": 0.15, "motions": [{"clip": "low", "turn_rad": [0, 0, 1.2]}]},
+    {"name": "untwist", "frames": 1, "duration_s": 0.15, "motions": [{"clip": "low", "turn_rad": [0, 0, -1.2]}]},
+    {"name": "settle", "frames": 1, "duration_s": 0.5}])",
+        R"("frames": 10, "duration_s": 0.2, "motions": [{"clip": "low", "turn_rad": [0, 0, 2.4]}]}])");
+    const auto scene = scene::parse_scene(text, "sleeve");
+    ASSERT_TRUE(scene) << scene.error().message;
+    auto run = SceneRun::make(*scene, model::preset("cotton").value());
+    ASSERT_TRUE(run) << run.error().message;
+    const SurfaceMesh& mesh = std::get<Cloth>(run->body().mesh).mesh;
+    const auto end = run->walk(
+        {[&](const SceneFrame& frame) { crossed[keeps_apart] += crossings(mesh, frame.state.x); },
+         {}});
+    ASSERT_TRUE(end && end->how == SceneEnd::How::complete) << (end ? end->reason : "");
+  }
+  EXPECT_GT(crossed[0], 20);
+  EXPECT_EQ(crossed[1], 0);
 }
 
 /// A support has a place, and a tube has each place of its seam twice.

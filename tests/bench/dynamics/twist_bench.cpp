@@ -144,27 +144,33 @@ double mean_distance_mm(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return 3e3 * sum / static_cast<double>(a.size());
 }
 
-bool is_stable(const Outcome& out, const Outcome& fine) {
-  return out.is_done && out.highest_J < 3.0 * fine.highest_J && out.last_J < 0.1 * fine.highest_J;
+/// Null: stable.
+const char* trouble(const Outcome& out, const Outcome& fine) {
+  if (!out.is_done) return "a step is not solved";
+  if (!(out.highest_J < 3.0 * fine.highest_J)) return "too much kinetic energy on the way";
+  return out.last_J < 0.1 * fine.highest_J ? nullptr : "kinetic energy is left";
 }
 
-/// Longest stable step below the first unstable one (s), or the longest that is asked for.
-double largest_step_s(const model::Model& description, bool is_linearised, const Outcome& fine) {
+struct Largest {
+  double stable_s = 0.0, unstable_s = 0.0;
+  const char* why = nullptr;  ///< the latter is unstable; null: none was found
+};
+
+/// Longest stable step below the first unstable one, or the longest that is asked for.
+Largest largest_step(const model::Model& description, bool is_linearised, const Outcome& fine) {
   constexpr double kFirst_s = 0.002, kLongest_s = 0.128, kGrowth = 1.4142135623730951;
   constexpr double kPrecision = 1.03;
-  double stable_s = 0.0, unstable_s = kFirst_s;
-  while (unstable_s <= 1.0001 * kLongest_s &&
-         is_stable(twist(description, unstable_s, is_linearised), fine)) {
-    stable_s = unstable_s;
-    unstable_s *= kGrowth;
-  }
-  if (stable_s == 0.0 || unstable_s > 1.0001 * kLongest_s) return stable_s;
-  while (unstable_s > kPrecision * stable_s) {
-    const double middle_s = std::sqrt(stable_s * unstable_s);
-    (is_stable(twist(description, middle_s, is_linearised), fine) ? stable_s : unstable_s) =
-        middle_s;
-  }
-  return stable_s;
+  Largest found{0.0, kFirst_s, nullptr};
+  const auto look = [&](double step_s) {
+    const char* why = trouble(twist(description, step_s, is_linearised), fine);
+    (why ? found.unstable_s : found.stable_s) = step_s;
+    if (why) found.why = why;
+    return why == nullptr;
+  };
+  for (double step_s = kFirst_s; step_s <= 1.0001 * kLongest_s && look(step_s);) step_s *= kGrowth;
+  while (found.why && found.stable_s > 0.0 && found.unstable_s > kPrecision * found.stable_s)
+    look(std::sqrt(found.stable_s * found.unstable_s));
+  return found;
 }
 
 struct Way {
@@ -191,10 +197,11 @@ void print(const Kind& kind) {
     for (const bool is_linearised : {false, true}) {
       const Outcome& exact = *way.law ? fine : elastic;
       const model::Model description = cotton(kind, way.law);
-      const double step_s = largest_step_s(description, is_linearised, exact);
+      const Largest found = largest_step(description, is_linearised, exact);
       std::printf("  %-24s %-20s stable up to %6.1f ms", way.name,
-                  is_linearised ? "one system a step" : "converged", 1e3 * step_s);
-      for (const double at_s : {step_s, 0.01}) {
+                  is_linearised ? "one system a step" : "converged", 1e3 * found.stable_s);
+      if (found.why) std::printf(", at %.1f ms %s", 1e3 * found.unstable_s, found.why);
+      for (const double at_s : {found.stable_s, 0.01}) {
         const Outcome out = twist(description, at_s, is_linearised);
         if (!out.is_done) continue;
         std::printf("; at %.1f ms off by %.3f mm, %.1f iterations, %.2f s", 1e3 * at_s,

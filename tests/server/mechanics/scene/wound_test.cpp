@@ -54,6 +54,21 @@ TEST(WoundStart, LayersLieOnASpiralOfTheMaterialsLength) {
   }
 }
 
+/// Layers that begin in one another cannot be kept apart; those of a spiral can.
+TEST(WoundStart, ThatPassesThroughItselfIsRefused) {
+  for (const bool has_pitch : {false, true}) {
+    auto scene = wound_strip(has_pitch ? R"(, "pitch_m": 0.0008)" : "");
+    scene.dynamics.emplace().self_contact_m = 0.0003;
+    auto run = SceneRun::make(scene, model::preset("doublecloth").value());
+    ASSERT_TRUE(run) << run.error().message;
+    const auto end = run->walk({});
+    ASSERT_TRUE(end) << end.error().message;
+    EXPECT_EQ(end->how == SceneEnd::How::complete, has_pitch) << end->reason;
+    EXPECT_EQ(end->reason.find("goes through itself at its start") != std::string::npos, !has_pitch)
+        << end->reason;
+  }
+}
+
 /// Without weight every hinge comes to rest where its stiffness and its friction are in balance.
 TEST(WoundStart, WhatIsRememberedStaysBent) {
   const auto model = model::preset("doublecloth").value();

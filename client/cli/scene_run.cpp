@@ -18,6 +18,7 @@
 #include "common/frames/frames_file.h"
 #include "common/model/document.h"
 #include "common/report/experiment/figure.h"
+#include "common/report/html_report.h"
 #include "common/scene/examples.h"
 
 namespace tenter::cli {
@@ -102,11 +103,13 @@ Expected<void> present(Context& context, const SceneJob& job, const std::string&
     Json digest = {{"job_id", job_id}};
     if (!job.output.empty()) digest["output"] = job.output;
     if (!job.figure.empty()) digest["figure"] = job.figure;
+    if (!job.report.empty()) digest["report"] = job.report;
     digest.update(*result);
     print_json(digest);
   } else if (!context.json) {
     print_summary(*result, job.output, job_id);
     if (const auto numbers = report::experiment_text(text)) print_text("\n" + *numbers);
+    if (!job.report.empty()) print_text("report written to " + job.report + "\n");
   }
   if (completed) return {};
   if (!job.output.empty()) context.details["output"] = job.output;
@@ -119,6 +122,12 @@ Expected<void> write_figure(const std::string& path, const std::string& result) 
   const auto svg = report::experiment_svg(result);
   if (!svg) return fail(svg.error().kind, "--figure: " + svg.error().message);
   return write_atomically(path, svg->data(), svg->size());
+}
+
+Expected<void> write_page(const std::string& path, const std::string& result) {
+  const auto page = report::render_html(result);
+  if (!page) return fail(page.error().kind, "--report: " + page.error().message);
+  return write_atomically(path, page->data(), page->size());
 }
 
 /// The mesh file of the scene goes to the server, and its name into the scene.
@@ -238,6 +247,8 @@ Expected<void> run_scene(Context& context, const SceneJob& job) {
     if (auto files = fetch_files(*client, submitted->job_id, job.output); !files) return files;
   if (!job.figure.empty())
     if (auto drawn = write_figure(job.figure, *result); !drawn) return drawn;
+  if (!job.report.empty())
+    if (auto written = write_page(job.report, *result); !written) return written;
   return present(context, job, submitted->job_id, *result);
 }
 

@@ -20,6 +20,7 @@ struct SceneJob {
   SubmitOptions submit;
   bool detach = false;
   std::string figure;  ///< SVG of the scene's experiment; "": none
+  std::string report;  ///< HTML page; "": none
   std::string output;  ///< folder for result.json, frames.h5 and frames.xdmf; "": nothing is kept
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/report/html_report.h"
 
+#include "common/report/experiment/scene_page.h"
 #include "common/report/friction/friction_section.h"
 #include "common/report/html_figures.h"
 #include "common/report/html_page.h"
@@ -24,10 +25,11 @@ constexpr PageSection kSections[] = {
 }  // namespace
 
 Expected<std::string> render_html(const std::string& result_json) {
-  const Expected<Json> parsed = parse_result(result_json);
+  const Expected<Json> parsed = parse_document(result_json);
   if (!parsed) return tl::unexpected(parsed.error());
   const Json& result = *parsed;
   if (text(result, "schema") == sheet::kSchema) return sheet::render_page(result);
+  if (text(result, "schema") == kSceneSchema) return scene_page(result);
 
   const std::string details =
       friction_section(result) + capture_table(result) +

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "common/report/experiment/scene_page.h"
 #include "common/report/friction/friction_section.h"
 #include "common/report/sheet/sheet_report.h"
 #include "common/report/words.h"
@@ -117,18 +118,25 @@ bool extends_baseline(const Json& result) {
          list(before, "corrections") != list(after, "corrections");
 }
 
-Expected<Json> parse_result(const std::string& result_json) {
+Expected<Json> parse_document(const std::string& result_json) {
   Json result = Json::parse(result_json, nullptr, false);
   if (result.is_discarded()) return bad_input("the result document is not JSON");
-  if (text(result, "schema") == "tenter.simulation")
+  if (text(result, "schema") != "tenter.result" && text(result, "schema") != sheet::kSchema &&
+      text(result, "schema") != kSceneSchema)
     return bad_input(
-        "the result is a simulated scene, which has no report: its frames are for ParaView "
-        "(tenter simulate --scene ... -o DIR)");
-  if (text(result, "schema") != "tenter.result" && text(result, "schema") != sheet::kSchema)
-    return bad_input(
-        "the document is not a result: its schema is not 'tenter.result' or 'tenter.sheet_fit'");
+        "the document is not a result: its schema is not 'tenter.result', 'tenter.sheet_fit' or "
+        "'tenter.simulation'");
   if (number(result, "version") != 1.0)
     return bad_input("the result document has a version that this program does not read");
+  return result;
+}
+
+Expected<Json> parse_result(const std::string& result_json) {
+  Expected<Json> result = parse_document(result_json);
+  if (result && text(*result, "schema") == kSceneSchema)
+    return bad_input(
+        "the result is a simulated scene, which is shown as a page only: give it a file "
+        "(-o FILE.html); its frames are for ParaView (tenter simulate --scene ... -o DIR)");
   return result;
 }
 

@@ -18,7 +18,11 @@ std::string subject(const Json& result);
 /// Whether the result's model is more than the baseline: effects or corrections were added.
 bool extends_baseline(const Json& result);
 
-/// Parses a result document; another schema or broken JSON is bad_input.
+/// Parses a result document, also that of a simulated scene; another schema or broken JSON is
+/// bad_input.
+Expected<Json> parse_document(const std::string& result_json);
+
+/// The same without simulated scenes, which are bad_input too.
 Expected<Json> parse_result(const std::string& result_json);
 
 }  // namespace tenter::report

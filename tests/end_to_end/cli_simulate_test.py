@@ -77,7 +77,7 @@ class Scenes(CommandTest):
         scene["protocol"] = there_and_back
         scene["mesh"].update({"nodes_u": 3, "nodes_v": 3})
         (self.work / "loop.json").write_text(json.dumps(scene))
-        done = self.run_command("simulate", "--scene", "loop.json", "--figure", "loop.svg")
+        done = self.run_command("simulate", "--scene", "loop.json", "--figure", "loop.svg", "--report", "loop.html")
         for words in ("with cotton: 13 of 13 frames", "0.5 mm/s, without friction", "work lost (mJ): "):
             self.assertIn(words, done.stdout)
         drawn = xml.parse(self.work / "loop.svg").getroot()
@@ -86,6 +86,14 @@ class Scenes(CommandTest):
         self.assertEqual(texts.count("2 mm/s"), 3)  # picture, table, key of the plot
         painted = "".join(path.get("d") for path in drawn.iter("{http://www.w3.org/2000/svg}path") if path.get("color"))
         self.assertEqual(painted.count("Z"), 4 * 8)
+        self.assertIn("report written to loop.html", done.stdout)
+        page = (self.work / "loop.html").read_text()
+        for words in ("work lost (mJ)</th>", "<code>warp_friction.tau</code>", "0.5 mm/s, without friction</td>",
+                      scene["description"][:20]):
+            self.assertIn(words, page)
+        again = self.run_command("report", "last", "-o", "again.html")
+        self.assertIn("written to again.html", again.stdout)
+        self.assertEqual((self.work / "again.html").read_text(), page)
         self.assertIn("no 'experiment'", self.json("simulate", "--scene", "picture_frame", "--figure", "no.svg",
                                                    code=2)["error"]["message"])
 

@@ -35,6 +35,7 @@ constexpr const char* kSimulateFooter =
     "    tenter residuals last --format csv > predictions.csv\n"
     "    tenter simulate --scene hanging_square -o hanging\n"
     "    tenter simulate --scene mine.scene.json --model cloth_stvk --set weft.k=80 -o mine\n"
+    "    tenter simulate --scene unrolling_felt --report felt.html\n"
     "    tenter --json simulate --scene picture_frame | jq '.frames[-1].reactions'\n";
 
 /// --set KEY=VALUE: VALUE is JSON, or text where it is not.
@@ -64,12 +65,11 @@ Expected<void> start_scene(Context& context, const Draft& draft) {
   const JobRun& run = draft.run;
   if (!run.captures.empty())
     return bad_input("a scene is simulated on its own: give either captures or --scene");
-  if (!run.report.empty() || !run.save_model.empty())
-    return bad_input("--report and --save-model are for captures, not for a scene");
+  if (!run.save_model.empty()) return bad_input("--save-model is for captures, not for a scene");
   if (draft.seed >= 0)
     return bad_input("--seed is for captures; the seed of a scene is in its document");
   return run_scene(context, {draft.scene, run.model, draft.sets, run.submit, run.detach,
-                             draft.figure, run.output});
+                             draft.figure, run.report, run.output});
 }
 
 Expected<void> start(Context& context, Draft& draft) {

@@ -174,21 +174,18 @@ std::string plots(const Found& found, double& width, double& y) {
 
 }  // namespace
 
-Expected<std::string> experiment_svg(const std::string& result_json) {
-  const auto found = found_of(result_json);
-  if (!found) return tl::unexpected(found.error());
-  const auto across = static_cast<double>(std::min(kMostAcross, found->runs.size()));
+std::string drawn(const Found& found) {
+  const auto across = static_cast<double>(std::min(kMostAcross, found.runs.size()));
   double width = std::max(2.0 * kEdge + kCell * across, 640.0);
   double y = 14.0;
-  std::string body =
-      words_at(kEdge + 4.0, y + 16.0, found->scene + " with " + found->model, "title");
+  std::string body = words_at(kEdge + 4.0, y + 16.0, found.scene + " with " + found.model, "title");
   y += 34.0;
   std::size_t most = 0;
-  for (const RunFound& run : found->runs) most = std::max(most, run.pictures.size());
-  for (std::size_t p = 0; p < most; ++p) body += pictures(*found, p, y);
-  width = std::max(width, 2.0 * kEdge + 210.0 + 110.0 * static_cast<double>(found->heads.size()));
-  body += number_table(*found, width, y);
-  body += plots(*found, width, y);
+  for (const RunFound& run : found.runs) most = std::max(most, run.pictures.size());
+  for (std::size_t p = 0; p < most; ++p) body += pictures(found, p, y);
+  width = std::max(width, 2.0 * kEdge + 210.0 + 110.0 * static_cast<double>(found.heads.size()));
+  body += number_table(found, width, y);
+  body += plots(found, width, y);
   char head[240];
   std::snprintf(head, sizeof head,
                 "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" "
@@ -196,6 +193,12 @@ Expected<std::string> experiment_svg(const std::string& result_json) {
                 "fill=\"#ffffff\"/>\n",
                 width, y, width, y);
   return head + style() + body + "</svg>\n";
+}
+
+Expected<std::string> experiment_svg(const std::string& result_json) {
+  const auto found = found_of(result_json);
+  if (!found) return tl::unexpected(found.error());
+  return drawn(*found);
 }
 
 Expected<std::string> experiment_text(const std::string& result_json) {

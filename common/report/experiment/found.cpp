@@ -94,6 +94,10 @@ Expected<Found> found_of(const std::string& result_json) {
   const Json result = Json::parse(result_json, nullptr, false);
   if (result.is_discarded() || text(result, "schema") != "tenter.simulation")
     return bad_input("this is no result of a simulated scene");
+  return found_of(result);
+}
+
+Expected<Found> found_of(const Json& result) {
   const Json& experiment = member(result, "experiment");
   if (!experiment.is_object()) return bad_input("the scene has no experiment, so it has no figure");
   Found found;

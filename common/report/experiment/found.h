@@ -41,5 +41,10 @@ struct Found {
 
 /// Metres become mm, joules mJ or µJ, shares %; what is odd in a document is left out.
 Expected<Found> found_of(const std::string& result_json);
+/// Of a document of schema "tenter.simulation". bad_input: without an experiment.
+Expected<Found> found_of(const Json& result);
+
+/// The figure (figure.h).
+std::string drawn(const Found& found);
 
 }  // namespace tenter::report

@@ -43,6 +43,14 @@ json row(const frames::FrameSet& f, std::size_t frame) {
   return result;
 }
 
+json parameters_json(const model::Model& model) {
+  json list = json::array();
+  for (const model::Term& term : model.terms)
+    for (const model::Parameter& p : term.law.parameters)
+      list.push_back({{"name", term.id + "." + p.name}, {"value", p.value}, {"unit", p.unit}});
+  return list;
+}
+
 }  // namespace
 
 json simulation_document(const scene::Scene& scene, const model::Model& model,
@@ -58,7 +66,9 @@ json simulation_document(const scene::Scene& scene, const model::Model& model,
           {"version", 1},
           {"kind", "simulate"},
           {"scene", scene.name},
+          {"words", scene.description},
           {"model", model.name},
+          {"parameters", parameters_json(model)},
           {"completed", completed},
           {"reason", completed ? json(nullptr) : json(end.reason)},
           {"frames_asked", scene.frame_count()},

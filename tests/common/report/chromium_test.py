@@ -120,6 +120,16 @@ return [...document.querySelectorAll("figure svg.mesh")].map(svg => {
           arrows: svg.querySelectorAll(".arrow").length};
 });"""
 
+SCENE = """
+const figure = document.querySelector("#figure svg"), box = figure.getBoundingClientRect();
+const seen = element => { const b = element.getBoundingClientRect(); return b.width > 0 && b.height > 0; };
+return {width: box.width, height: box.height,
+        facets: [...figure.querySelectorAll("path[color]")].filter(seen).length,
+        lines: [...figure.querySelectorAll(".series path")].filter(seen).length,
+        rows: document.querySelectorAll("#numbers tbody tr").length,
+        ink: getComputedStyle(document.querySelector("#numbers td")).color,
+        paper: getComputedStyle(document.querySelector("#numbers .panel")).backgroundColor};"""
+
 TOGGLE = """
 const figure = document.querySelector("figure");
 const key = figure.querySelector('.keys button[data-shows="measured unload"]');
@@ -169,13 +179,23 @@ def check_sheet_page(browser, page):
               f"a sheet is not drawn: {mesh}")
 
 
+def check_scene_page(browser, page):
+    check_page(browser, page, 0)
+    seen = browser.run(SCENE)
+    check(seen["width"] > 500 and seen["height"] > 400 and seen["facets"] == 2 and seen["lines"] == 2,
+          f"the figure of the scene is not drawn: {seen}")
+    check(seen["rows"] == 2 and seen["ink"] != seen["paper"], f"the numbers cannot be read: {seen}")
+
+
 def main():
     program, out = sys.argv[1], pathlib.Path(sys.argv[2])
     out.mkdir(parents=True, exist_ok=True)
     page, hostile, sheet = out / "report.html", out / "report-hostile.html", out / "sheet.html"
+    scene = out / "scene.html"
     subprocess.run([program, str(page)], check=True)
     subprocess.run([program, str(hostile), "--hostile"], check=True)
     subprocess.run([program, str(sheet), "--sheet"], check=True)
+    subprocess.run([program, str(scene), "--scene"], check=True)
 
     with Browser(dark=False) as browser:
         check_page(browser, page)
@@ -191,9 +211,12 @@ def main():
         check_page(browser, hostile)
         check_sheet_page(browser, sheet)
         browser.screenshot(out / "sheet.png")
+        check_scene_page(browser, scene)
+        browser.screenshot(out / "scene.png")
     with Browser(dark=True) as browser:
         check_page(browser, page)
         browser.screenshot(out / "report-dark.png")
+        check_scene_page(browser, scene)
     for shot in ("report.png", "report-dark.png", "sheet.png"):
         check((out / shot).stat().st_size > 50_000, f"{shot} is nearly empty")
     print(f"report checked in Chromium; screenshots in {out}")

@@ -10,6 +10,7 @@
 #include <regex>
 
 #include "common/report/experiment/mesh_painter.h"
+#include "tests/common/report/experiment/fixture_simulation.h"
 
 namespace tenter::report {
 namespace {
@@ -88,36 +89,6 @@ TEST(MeshPainter, LeavesOutWhatIsNotThere) {
   EXPECT_EQ(painted_mesh({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, {{0, 1, 2}}, kFromFront, {}), "");
 }
 
-nlohmann::json result() {
-  const auto run = [](const char* name, double bend, double size) {
-    return nlohmann::json{
-        {"name", name},
-        {"completed", true},
-        {"reason", nullptr},
-        {"measures", {{"bend", bend}, {"lost", 2e-6}, {"gone", nullptr}}},
-        {"curves",
-         {{{"id", "profile"},
-           {"words", "curvature"},
-           {"x", {{"name", "along"}, {"unit", "m"}, {"values", {0.0, 0.05, 0.1}}}},
-           {"y", {{"name", "curvature"}, {"unit", "1/m"}, {"values", {1.0, bend, 3.0}}}}}}},
-        {"pictures",
-         {{{"title", "at rest"},
-           {"eye", {0, -1, 0}},
-           {"up", {0, 0, 1}},
-           {"position_m", {{0, 0, 0}, {size, 0, 0}, {0, 0, size}}}}}},
-        {"triangles", {{0, 1, 2}}}};
-  };
-  return {{"schema", "tenter.simulation"},
-          {"scene", "a & b"},
-          {"model", "felt"},
-          {"experiment",
-           {{"measures",
-             {{{"id", "bend"}, {"words", "rms curvature"}, {"unit", "1/m"}},
-              {{"id", "lost"}, {"words", "work"}, {"unit", "J"}},
-              {{"id", "gone"}, {"words", "gone"}, {"unit", "1"}}}},
-            {"runs", {run("with <friction>", 123.4, 0.1), run("without", 5.0, 0.05)}}}}};
-}
-
 std::size_t count(const std::string& text, const std::string& part) {
   std::size_t n = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
@@ -125,9 +96,9 @@ std::size_t count(const std::string& text, const std::string& part) {
 }
 
 TEST(ExperimentFigure, ShowsPicturesNumbersAndLinesOfEveryRun) {
-  const auto svg = experiment_svg(result().dump());
+  const auto svg = experiment_svg(fixture::simulation().dump());
   ASSERT_TRUE(svg) << svg.error().message;
-  EXPECT_EQ(*svg, *experiment_svg(result().dump()));
+  EXPECT_EQ(*svg, *experiment_svg(fixture::simulation().dump()));
   const auto facets = facets_of(*svg);
   ASSERT_EQ(facets.size(), 2U);
   // to one scale: the second is half as large
@@ -141,15 +112,15 @@ TEST(ExperimentFigure, ShowsPicturesNumbersAndLinesOfEveryRun) {
   EXPECT_EQ(count(*svg, "<svg"), count(*svg, "</svg>"));
   EXPECT_EQ(count(*svg, "<text"), count(*svg, "</text>"));
   EXPECT_EQ(svg->find("nan"), std::string::npos);
-  const auto text = experiment_text(result().dump());
+  const auto text = experiment_text(fixture::simulation().dump());
   ASSERT_TRUE(text);
   EXPECT_NE(text->find("without\n  rms curvature (1/m): 5\n"), std::string::npos) << *text;
 }
 
 TEST(ExperimentFigure, LinesOfOnePlotShareTheirUnits) {
-  nlohmann::json motion = result();
+  nlohmann::ordered_json motion = fixture::simulation();
   for (std::size_t r = 0; r < 2; ++r) {
-    nlohmann::json& y = motion["experiment"]["runs"][r]["curves"][0]["y"];
+    nlohmann::ordered_json& y = motion["experiment"]["runs"][r]["curves"][0]["y"];
     y["unit"] = "J";
     y["values"] = {0.0, r == 0 ? 2.5e-4 : 9e-5, 0.0};
   }
@@ -164,13 +135,13 @@ TEST(ExperimentFigure, LinesOfOnePlotShareTheirUnits) {
 TEST(ExperimentFigure, TakesOddDocumentsAsNothing) {
   EXPECT_FALSE(experiment_svg("{}"));
   EXPECT_FALSE(experiment_svg("no json"));
-  nlohmann::json plain = result();
+  nlohmann::ordered_json plain = fixture::simulation();
   plain.erase("experiment");
   EXPECT_FALSE(experiment_svg(plain.dump()));
-  nlohmann::json odd = result();
+  nlohmann::ordered_json odd = fixture::simulation();
   odd["experiment"]["runs"][0]["triangles"] = {{0, 1}, "x", {0, 1, 1e12}};
   odd["experiment"]["runs"][0]["curves"] = 3;
-  odd["experiment"]["runs"][1]["pictures"][0]["position_m"] = nlohmann::json::array();
+  odd["experiment"]["runs"][1]["pictures"][0]["position_m"] = nlohmann::ordered_json::array();
   odd["experiment"]["runs"][1]["reason"] = "a step failed";
   const auto svg = experiment_svg(odd.dump());
   ASSERT_TRUE(svg);

@@ -68,6 +68,12 @@ TEST_F(SceneJob, LeavesFramesThatAgreeWithTheSummary) {
   EXPECT_EQ(result["completed"], true);
   EXPECT_EQ(result["frames"].size(), 11U);
   EXPECT_EQ(result["clips"], json({"top", "bar"}));
+  EXPECT_EQ(result["words"], scene["description"]);
+  const model::Model model = model::preset("cloth_stvk").value();
+  const model::Parameter& first = model.terms[0].law.parameters[0];
+  EXPECT_EQ(result["parameters"][0]["name"], model.terms[0].id + "." + first.name);
+  EXPECT_EQ(result["parameters"][0]["value"], first.value);
+  EXPECT_EQ(result["parameters"][0]["unit"], first.unit);
 
   const auto file = h5::H5Reader::open((folder_ / "a/frames.h5").string());
   ASSERT_TRUE(file);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 namespace tenter::estimation {
@@ -21,13 +22,48 @@ std::string with_unit(double value, const std::string& unit) {
 }
 
 /// What is known of a number that the data do not tell.
-std::string words_for(const FrictionNumber& number) {
+std::string range_words(const FrictionNumber& number) {
   if (number.lo && number.hi)
     return "not told: somewhere between " + with_unit(*number.lo, number.unit) + " and " +
            with_unit(*number.hi, number.unit);
   if (number.hi) return "not told: at most " + with_unit(*number.hi, number.unit);
   if (number.lo) return "not told: at least " + with_unit(*number.lo, number.unit);
   return "not told: the data look the same for any value";
+}
+
+/// The number with which this one goes together, and by how much.
+std::string partner_words(const FrictionEstimate& estimate, int parameter) {
+  constexpr double kTogether = 0.95;
+  const RowMatrix& correlation = estimate.fit.correlation;
+  int partner = -1;
+  double most = kTogether;
+  for (const int other : kReported) {
+    if (other == parameter || parameter >= correlation.rows()) continue;
+    if (std::abs(correlation(parameter, other)) < most) continue;
+    most = std::abs(correlation(parameter, other));
+    partner = other;
+  }
+  if (partner < 0) return "";
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), " (correlation %.3f)", correlation(parameter, partner));
+  return "only a combination with " +
+         parameters_of(estimate.model)[static_cast<std::size_t>(partner)]->name + " is told" +
+         text.data();
+}
+
+std::string reason_words(const FrictionEstimate& estimate, int parameter,
+                         const FrictionNumber& number, bool has_rival) {
+  for (const ReadingsLack& lack : estimate.lacks)
+    if (std::find(lack.numbers.begin(), lack.numbers.end(), number.name) != lack.numbers.end())
+      return lack.words;
+  if (has_rival) return "a value elsewhere, with other numbers beside it, fits as well";
+  if (estimate.fit.states[static_cast<std::size_t>(parameter)] == ParameterState::zero_gradient)
+    return "nothing that was read moves with it";
+  if (std::string words = partner_words(estimate, parameter); !words.empty()) return words;
+  if (number.name == "tau" && !number.lo)
+    return "what it changes is over before the next reading, or below the noise";
+  if (!number.lo) return "zero does as well, within the noise";
+  return "the noise of the readings is too large for more";
 }
 
 void interval_from_covariance(const FitResult& fit, int parameter, const model::Parameter& p,
@@ -52,7 +88,7 @@ void judge(const MakeFunction& make, const model::Model& start, const FrictionFi
   estimate.model = start;
   store(estimate.fit, estimate.model);
   estimate.gains_below = gains_below(values_of(estimate.fit.parameters));
-  auto parameters = parameters_of(estimate.model);
+  const auto parameters = parameters_of(estimate.model);
   if (options.profiles) {
     ProfileOptions how;
     how.threads = options.threads;
@@ -82,8 +118,11 @@ void judge(const MakeFunction& make, const model::Model& start, const FrictionFi
     } else {
       interval_from_covariance(estimate.fit, i, p, number);
     }
-    number.is_told = is_told(number, p);
-    if (!number.is_told) number.words = words_for(number);
+    const bool has_rival =
+        profile != estimate.profiles.end() && profile->determined == Determined::multimodal;
+    number.is_told = !has_rival && is_told(number, p);
+    if (!number.is_told)
+      number.words = range_words(number) + "; " + reason_words(estimate, i, number, has_rival);
     p.interval_lo = number.lo;
     p.interval_hi = number.hi;
     estimate.numbers.push_back(number);

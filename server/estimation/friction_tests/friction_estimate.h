@@ -5,7 +5,11 @@
 //   told          both ends of the interval exist, and lie within a factor of ten of each other
 //                 where the parameter has to be positive
 //   not told      one end or none exists (tau far below the distance of the readings: only an upper
-//                 one), or the interval spans more than that, or the test does not look at it
+//                 one), or the interval spans more than that, or a value beyond it fits as well, or
+//                 the test does not look at it
+//
+// Why a number is not told is said behind it: what the readings lack, else that nothing moves with
+// it, that only a combination with another number is told, or that zero does as well.
 //
 // Pure; the profiles take as many threads as they are given, with the same bytes.
 #pragma once
@@ -29,12 +33,19 @@ struct FrictionNumber {
   std::string words;  ///< "" where it is told; else why not, and what is known
 };
 
+/// What readings lack, so that a number may not be told.
+struct ReadingsLack {
+  std::vector<std::string> numbers;
+  std::string words;
+};
+
 struct FrictionEstimate {
   model::Model model;   ///< with values and intervals
   FitResult fit;        ///< residuals in units of the noise
   AnchoredStart start;  ///< the papers' stages and their estimate
   std::vector<Profile> profiles;
   std::vector<FrictionNumber> numbers;
+  std::vector<ReadingsLack> lacks;
   double noise = 0.0;        ///< standard deviation of a length; bending: of a point across (m)
   double gains_below = 0.0;  ///< strain below which a step may gain work (friction_model.h)
   int snapped = 0;           ///< steps in which the stress fell on the way to the next rest
@@ -46,8 +57,8 @@ struct FrictionFitOptions {
   FitOptions fit = {};
 };
 
-/// Fills model, profiles, numbers and gains_below of an estimate whose `fit` is there. `make`: an
-/// evaluator of the rows of that fit.
+/// Fills model, profiles, numbers and gains_below of an estimate whose `fit` and `lacks` are there.
+/// `make`: an evaluator of the rows of that fit.
 void judge(const MakeFunction& make, const model::Model& start, const FrictionFitOptions& options,
            FrictionEstimate& estimate);
 

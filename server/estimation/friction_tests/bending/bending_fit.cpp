@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -82,6 +83,27 @@ Expected<SharedProfiles> profiles_of(BendingTests tests, BendingProtocol protoco
   return std::make_shared<const std::vector<ProfileSamples>>(std::move(*profiles));
 }
 
+/// Why some of the five may not be told.
+std::vector<ReadingsLack> lacks_of(const std::vector<ProfileSamples>& profiles) {
+  std::vector<ReadingsLack> lacks;
+  std::set<double> anchors;
+  bool has_cantilever = false;
+  for (const ProfileSamples& profile : profiles) {
+    has_cantilever = has_cantilever || profile.anchor == 0.0;
+    if (profile.anchor > 0.0 && !profile.samples.empty()) anchors.insert(profile.anchor);
+  }
+  constexpr std::size_t kFewest = 3;
+  if (anchors.size() < kFewest)
+    lacks.push_back({{"k2", "a", "b", "tau"},
+                     "the spirals are of " + std::to_string(anchors.size()) +
+                         (anchors.size() == 1 ? " radius" : " radii") +
+                         " only: friction is seen at too few curvatures"});
+  if (!has_cantilever)
+    lacks.push_back({{"k1", "k2"},
+                     "there is no cantilever: light spirals show stiffness beside friction only"});
+  return lacks;
+}
+
 double mean_noise(const std::vector<ProfileSamples>& profiles) {
   double noise = 0.0;
   for (const ProfileSamples& profile : profiles) noise += profile.noise_m;
@@ -109,6 +131,7 @@ Expected<void> finish(TorqueErrors& errors, const StrainPoint& point, const Shar
   estimate.predicted.assign(errors.predicted().data(),
                             errors.predicted().data() + errors.predicted().size());
   friction.noise = mean_noise(*shared);
+  friction.lacks = lacks_of(*shared);
   const MakeFunction make = [&]() -> std::unique_ptr<ResidualFunction> {
     auto own = std::make_unique<TorqueErrors>(point, shared);
     if (own->set_reference(reference) != mechanics::PathStatus::ok) return nullptr;

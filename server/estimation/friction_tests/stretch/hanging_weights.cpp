@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "server/estimation/friction_tests/stretch/length_errors.h"
@@ -15,6 +16,30 @@ namespace {
 double noise_of(const FitResult& fit, double sigma) {
   const auto rows = static_cast<double>(fit.residuals.size());
   return sigma * std::sqrt(fit.chi2 / std::max(1.0, rows - 5.0));
+}
+
+/// Why some of the five may not be told.
+std::vector<ReadingsLack> lacks_of(const WeightTable& table) {
+  std::vector<ReadingsLack> lacks;
+  const auto places = places_of(table);
+  const auto has = [&](double sign) {
+    return std::any_of(places.begin(), places.end(),
+                       [sign](const ReadingPlace& place) { return place.sign == sign; });
+  };
+  std::set<double> weights;
+  for (const WeightReading& reading : table.readings) weights.insert(reading.weight_N);
+  constexpr std::size_t kFewest = 4;  // a straight line, and what bends it in two ways
+  if (weights.size() < kFewest)
+    lacks.push_back({{"k1", "k2", "a", "b", "tau"},
+                     "only " + std::to_string(weights.size()) +
+                         " different weights were hung, too few for five numbers"});
+  if (!has(-1.0))
+    lacks.push_back({{"k1", "k2", "a", "b", "tau"},
+                     "no weight was taken off again: on one way friction looks like stiffness"});
+  if (!has(1.0))
+    lacks.push_back({{"k1", "k2", "a", "b", "tau"},
+                     "no weight was added: on one way friction looks like stiffness"});
+  return lacks;
 }
 
 }  // namespace
@@ -52,6 +77,7 @@ Expected<FrictionEstimate> fit_hanging_weights(const WeightTable& table, std::st
     estimate.fit = fitted();
   }
   estimate.noise = checked->length_noise_m;
+  estimate.lacks = lacks_of(*checked);
   const MakeFunction make = [&] { return std::make_unique<LengthErrors>(*point, *checked); };
   judge(make, model, options, estimate);
   return estimate;

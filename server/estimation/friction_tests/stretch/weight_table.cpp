@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/estimation/friction_tests/stretch/weight_table.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -35,15 +36,10 @@ Expected<WeightTable> check(WeightTable table) {
   if (table.readings.size() < kFewest)
     return bad_input("a hanging cloth needs at least " + std::to_string(kFewest) + " readings, " +
                      std::to_string(table.readings.size()) + " are given");
-  bool loads = false;
-  bool unloads = false;
-  for (const ReadingPlace& place : places_of(table)) {
-    loads = loads || place.sign > 0.0;
-    unloads = unloads || place.sign < 0.0;
-  }
-  if (!loads || !unloads)
-    return bad_input(
-        "the weights never turn: friction shows where loading and unloading are both measured");
+  const auto places = places_of(table);
+  if (std::all_of(places.begin(), places.end(),
+                  [](const auto& place) { return place.sign == 0.0; }))
+    return bad_input("all weights are the same: nothing is loaded");
   return table;
 }
 

@@ -53,7 +53,7 @@ struct ReadingPlace {
 };
 
 /// bad_input that names the reading: lengths and sizes above zero, finite numbers, at least eight
-/// readings, at least one turn of the weights.
+/// readings, weights that are not all the same.
 Expected<WeightTable> check(WeightTable table);
 
 std::vector<ReadingPlace> places_of(const WeightTable& table);

@@ -39,12 +39,17 @@ constexpr const char* kDescription = R"({
 
 class HangingWeightsJob : public FrictionJob {
  protected:
+  using Readings = std::vector<twin::HangingReading>;
+
   void import_weights(const twin::FrictionSample& sample) {
-    twin::HangingPlan plan;
+    import_weights(twin::hang(sample, {}));
+  }
+  void import_weights(const Readings& readings) {
+    const twin::HangingPlan plan;
     std::ostringstream csv;
     csv.precision(12);
     csv << "run,weight_N,length_mm\n";
-    for (const twin::HangingReading& reading : twin::hang(sample, plan))
+    for (const twin::HangingReading& reading : readings)
       csv << reading.run + 1 << ',' << reading.weight_N + plan.dead_weight_N << ','
           << 1e3 * reading.length_m << '\n';
     import("weights", csv.str(), kDescription);
@@ -112,6 +117,50 @@ TEST_F(HangingWeightsJob, PrintsNoNumberThatTheDataDoNotTell) {
     is_said = is_said || (check["what"] == "tau" &&
                           check["why"].get<std::string>().find("at most") != std::string::npos);
   EXPECT_TRUE(is_said);
+}
+
+// Readings that lack something: what they do not tell is said, with the reason, in the document, on
+// the page and in the text, and its value is nowhere.
+TEST_F(HangingWeightsJob, SaysWhatReadingsLack) {
+  const twin::FrictionSample& sample = twin::stretch_samples().back();
+  // the last way up of cycles to 9 N; and one step up and down, six times
+  const Readings cycles = twin::hang(sample, {.largest_N = 9, .repeats = 1});
+  const Readings rising(cycles.end() - 19, cycles.end() - 9);
+  const Readings one_step = twin::hang(sample, {.largest_N = 1, .repeats = 6});
+  struct Case {
+    Readings readings;
+    const char* reason;
+    const char* number;
+  };
+  for (const Case& c : {Case{rising, "no weight was taken off again", "b"},
+                        Case{one_step, "only 2 different weights were hung", "b"}}) {
+    captures_.clear();
+    import_weights(c.readings);
+    const auto result = run({{"protocol", "hanging-weights"}});
+    ASSERT_TRUE(result) << result.error().message;
+    int untold = 0;
+    bool has_number = false;
+    const auto page = report::render_html(text_);
+    const auto words = report::render_text(text_, {.width = 400});
+    ASSERT_TRUE(page && words);
+    for (const json& number : (*result)["friction_test"]["parts"][0]["numbers"]) {
+      if (number["told"].get<bool>()) continue;
+      ++untold;
+      has_number = has_number || number["name"] == c.number;
+      EXPECT_TRUE(number["value"].is_null());
+      const std::string why = number["words"].get<std::string>();
+      EXPECT_NE(why.find(c.reason), std::string::npos) << why;
+      EXPECT_NE(page->find(why), std::string::npos);
+      EXPECT_NE(words->find(why), std::string::npos);
+      const std::string name = "." + number["name"].get<std::string>();
+      for (const json& parameter : (*result)["parameters"]) {
+        if (!parameter["name"].get<std::string>().ends_with(name)) continue;
+        EXPECT_TRUE(parameter["value"].is_null() && parameter["std_error"].is_null());
+      }
+    }
+    EXPECT_GE(untold, 2) << c.reason;
+    EXPECT_TRUE(has_number) << (*result)["friction_test"].dump(1);
+  }
 }
 
 TEST_F(HangingWeightsJob, RefusesWhatIsNoSuchTest) {

@@ -165,6 +165,29 @@ TEST_F(StripsJob, SensesAreFittedApart) {
   EXPECT_EQ((*result)["figures"].size(), 10U);
 }
 
+TEST_F(StripsJob, SaysWhatFewRadiiLack) {
+  const twin::FrictionSample& cloth = doublecloth();
+  import("strips", table_of(cloth, {{16.0}, {16.0}, { 16.0 }}), strips_description(cloth).dump());
+  const auto result = run({{"protocol", "spiral"}});
+  ASSERT_TRUE(result) << result.error().message;
+  const auto page = report::render_html(text_);
+  const auto words = report::render_text(text_, {.width = 400});
+  ASSERT_TRUE(page && words);
+  int untold = 0;
+  for (const json& number : (*result)["friction_test"]["parts"][0]["numbers"]) {
+    if (number["told"].get<bool>()) continue;
+    ++untold;
+    EXPECT_TRUE(number["value"].is_null());
+    const std::string why = number["words"].get<std::string>();
+    EXPECT_NE(why.find(number["name"] == "k1" ? "no cantilever" : "of 1 radius only"),
+              std::string::npos)
+        << why;
+    EXPECT_NE(page->find(why), std::string::npos);
+    EXPECT_NE(words->find(why), std::string::npos);
+  }
+  EXPECT_GE(untold, 3) << (*result)["friction_test"].dump(1);
+}
+
 TEST_F(StripsJob, CantileversTellStiffnessAndNothingOfFriction) {
   const twin::FrictionSample& cloth = doublecloth();
   import("strips", table_of(cloth, {{0.0}, {0.0}, { 5.0 }}), strips_description(cloth).dump());

@@ -134,11 +134,11 @@ class TimeStepper {
   StepStart start_;
   StepEnergy added_;
   MinimiseWorkspace work_;
-  History history_;           ///< of the step that is being solved
-  bool has_path_ = false;     ///< history_.ahead is there
+  History history_;        ///< of the step that is being solved
+  bool has_path_ = false;  ///< history_.ahead is there
   /// Of negative stiffness left out at first: looking ahead, by Newton, in a linearised step.
   double ahead_share_ = 0.0, first_share_ = 0.0, linear_share_ = 0.0;
-  State end_;                 ///< of the step that is being solved
+  State end_;  ///< of the step that is being solved
   Eigen::VectorXd points_;
 };
 

@@ -23,10 +23,6 @@ std::vector<std::string> held_by(const std::vector<std::string>& group,
   return held;
 }
 
-bool is_rate_question(const std::string& id) {
-  return is_friction(id) || id == "viscosity";
-}
-
 bool splits_no_rate(const std::vector<std::string>& group) {
   return std::any_of(group.begin(), group.end(), is_friction) &&
          std::find(group.begin(), group.end(), "viscosity") != group.end();

@@ -12,10 +12,6 @@
 namespace tenter::exam {
 namespace {
 
-bool is_rate_question(const std::string& id) {
-  return id == "internal_friction" || id == "strain_dependent_friction" || id == "viscosity";
-}
-
 bool hides_rate(const std::string& suite) {
   return suite == "single_rate" || suite == "no_time";
 }
@@ -105,6 +101,10 @@ twin::TwinCase null_twin(const std::string& suite, int turn, std::uint64_t seed)
 }
 
 }  // namespace
+
+bool is_rate_question(const std::string& id) {
+  return id == "internal_friction" || id == "strain_dependent_friction" || id == "viscosity";
+}
 
 std::string Question::truth() const {
   std::string words;

@@ -35,6 +35,9 @@ struct Question {
   std::string name() const;   ///< "rich viscosity:maxwell size 3 seed 2"
 };
 
+/// Effects that only a second rate or a hold tells from each other.
+bool is_rate_question(const std::string& id);
+
 struct Paper {
   std::vector<std::string> effects;  ///< ids; empty: all that the twins can hide
   std::vector<double> sizes = {3.0, 10.0};

@@ -114,6 +114,27 @@ std::vector<Row> material_rows() {
         {{"cycle", "three cycles to a third of the range"},
          {"cycle", "three cycles to two thirds"},
          {"cycle", "three cycles to the full range"}}}},
+      {"rest_shape",
+       Kind::material,
+       "a rest shape that is not flat: the sheet curls by itself",
+       "of sheets: a misfit of bending near free edges that is there at rest",
+       "a constant moment on bending along weft, warp or both",
+       {"wrong_mass", "heterogeneity"},
+       {"frame_without_load",
+        "One frame without clips and cords, lying on a table, then the same turned upside down: "
+        "a curl turns with the specimen, weight does not.",
+        {{"rest", "on a table, no clips"}, {"rest", "the same, turned upside down"}}}},
+      {"heterogeneity",
+       Kind::material,
+       "stiffness that differs over the material: a seam, a stiff patch",
+       "of sheets: a misfit that is correlated in space and fixed to the same material in all "
+       "frames",
+       "an own stiffness at each of 3 x 3 samples of the material, Gaussians between them",
+       {"rest_shape", "camera_pose"},
+       {"turned_specimen",
+        "The same pulls with the specimen turned by 180 degrees in its clips: what is of the "
+        "material turns with it.",
+        {{"ramp", "the same pull"}, {"remount", "at 180 degrees"}, {"ramp", "the same pull"}}}},
   };
 }
 

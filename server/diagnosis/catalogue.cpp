@@ -18,9 +18,21 @@ const std::vector<Effect>& catalogue() {
   return rows;
 }
 
+const std::vector<Effect>& sheet_catalogue() {
+  static const std::vector<Effect> rows = [] {
+    std::vector<Effect> all = catalogue();
+    for (const Effect& effect :
+         {rest_shape(), heterogeneity(), camera_pose(), occlusion_bias(), wrong_mass()})
+      all.push_back(effect);
+    return all;
+  }();
+  return rows;
+}
+
 const Effect* find_effect(const std::string& id) {
-  for (const Effect& effect : catalogue())
-    if (effect.id == id) return &effect;
+  for (const auto* effects : {&catalogue(), &sheet_catalogue()})
+    for (const Effect& effect : *effects)
+      if (effect.id == id) return &effect;
   return nullptr;
 }
 

@@ -244,6 +244,22 @@ model::SensorCorrection new_correction(const model::Model& model, const std::str
   return correction;
 }
 
+model::SensorCorrection new_sheet_correction(const model::Model& model, const std::string& type,
+                                             const std::string& component,
+                                             const std::string& capture) {
+  model::SensorCorrection correction;
+  correction.id = free_id(model.corrections, type + (component.empty() ? "" : "_" + component) +
+                                                 (capture.empty() ? "" : "_in_" + capture));
+  // addresses end at the last dot
+  std::replace(correction.id.begin(), correction.id.end(), '.', '_');
+  correction.type = type;
+  correction.component = component;
+  correction.capture = capture;
+  correction.parameters =
+      model::default_parameters(*model::find_correction(type, model::Seen::sheets));
+  return correction;
+}
+
 std::string measure_family(const model::Model& model) {
   for (const model::Term& term : model.terms)
     if (term.effect.empty() &&

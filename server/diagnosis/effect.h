@@ -33,11 +33,13 @@ struct SheetExcitation {
     std::string name;  ///< as sensor corrections address it: their `component`
     std::string capture;
     double largest_N = 0.0;
+    int frames = 0;
   };
   std::vector<Force> forces;
-  std::vector<std::string> captures;
+  std::vector<std::string> captures;  ///< names of the sequences
   Eigen::Vector2d lo_m = Eigen::Vector2d::Zero(), hi_m = Eigen::Vector2d::Zero();  ///< (u, v)
-  bool hangs = false;  ///< gravity moves something
+  bool hangs = false;       ///< gravity moves something
+  bool has_hidden = false;  ///< frames do not see all points
 };
 
 /// What the captures excite; made once per diagnosis, read by the effects.
@@ -122,8 +124,10 @@ std::optional<std::string> why_not_excited(const Effect& effect, const model::Mo
 /// An effect with the words of its row in common/effects, which must be there.
 Effect described(const std::string& id);
 
-/// All effects, in the order of the design table.
+/// All effects of curves, in the order of the design table.
 const std::vector<Effect>& catalogue();
+/// The same, then those that only sheets show.
+const std::vector<Effect>& sheet_catalogue();
 const Effect* find_effect(const std::string& id);
 
 /// The model with the variant's parts added, switched off, at a point of its grid.
@@ -138,6 +142,10 @@ model::Term new_term(const model::Model& model, const std::string& id, const std
 void set_parameter(model::Law& law, const std::string& name, double value, bool fixed = false);
 model::SensorCorrection new_correction(const model::Model& model, const std::string& type,
                                        const std::string& component);
+/// The same of sheets; `capture`: a sequence's name, "" all.
+model::SensorCorrection new_sheet_correction(const model::Model& model, const std::string& type,
+                                             const std::string& component,
+                                             const std::string& capture);
 /// A direction in which an effect can act.
 struct Place {
   std::string name;  ///< "weft", "warp", "shear", "diagonal"; of sheets also "bend_weft", ...

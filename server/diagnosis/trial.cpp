@@ -149,8 +149,12 @@ void check_parameters(Trial& trial) {
                                  " %");
   };
   for (const model::Term& term : trial.variant.append) check(term.id, 0.0);
-  for (const model::SensorCorrection& c : trial.variant.corrections)
-    check(c.id, model::find_correction(c.type)->parameters.front().value);
+  for (const model::SensorCorrection& c : trial.variant.corrections) {
+    const model::CorrectionRow* row = nullptr;  // of curves or of sheets
+    for (const model::Seen seen : {model::Seen::curves, model::Seen::sheets})
+      if (row == nullptr) row = model::find_correction(c.type, seen);
+    check(c.id, row->parameters.front().value);
+  }
 }
 
 namespace {

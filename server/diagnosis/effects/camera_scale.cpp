@@ -53,6 +53,18 @@ Effect camera_scale() {
     }
     return variants;
   };
+  effect.sheet_variants = [](const model::Model& model, const Excitation& excitation) {
+    auto variants = sheet_capture_variants(model, excitation, "camera_scale");
+    for (Variant& variant : variants) {
+      variant.corrections.front().parameters.front().lower = 1.0 / kLargestOfLengths;
+      variant.corrections.front().parameters.front().upper = kLargestOfLengths;
+    }
+    return variants;
+  };
+  effect.sheet_not_excited = [](const model::Model&,
+                                const Excitation&) -> std::optional<std::string> {
+    return std::nullopt;
+  };
   effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
     if (observed_stretches(e).empty()) return "no free stretch was observed";
     return std::nullopt;

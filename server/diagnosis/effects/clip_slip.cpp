@@ -48,6 +48,34 @@ Effect clip_slip() {
     for (Variant& v : variants) v.searched = searched;
     return variants;
   };
+  effect.sheet_variants = [](const model::Model& model, const Excitation& excitation) {
+    std::vector<Variant> variants;
+    constexpr int kPlaces = 6;
+    for (const SheetExcitation::Force& force : excitation.sheet->forces) {
+      if (force.name.empty() || force.frames < 8) continue;
+      Variant variant;
+      variant.words = "clip of force " + force.name + " in " + force.capture;
+      model::SensorCorrection slip =
+          new_sheet_correction(model, "clip_slip", force.name, force.capture);
+      for (int k = 1; k < kPlaces; ++k)
+        variant.grid.push_back(
+            {{slip.id + ".at_frame", static_cast<double>(force.frames * k / kPlaces)}});
+      for (int at = 3; at + 3 < force.frames; ++at)
+        variant.finer.push_back({{slip.id + ".at_frame", static_cast<double>(at)}});
+      variant.corrections.push_back(std::move(slip));
+      variants.push_back(std::move(variant));
+    }
+    int searched = 0;
+    for (const Variant& v : variants) searched += static_cast<int>(v.finer.size());
+    for (Variant& v : variants) v.searched = searched;
+    return variants;
+  };
+  effect.sheet_not_excited = [](const model::Model&,
+                                const Excitation& e) -> std::optional<std::string> {
+    for (const SheetExcitation::Force& force : e.sheet->forces)
+      if (!force.name.empty()) return std::nullopt;
+    return "no clip's force has a name to blame";
+  };
   effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
     std::size_t runs = 0;
     for (const auto& c : e.curves) runs += c.runs.size();

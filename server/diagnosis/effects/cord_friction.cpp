@@ -10,7 +10,11 @@ Effect cord_friction() {
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     return channel_variants(model, excitation, "cord_friction");
   };
+  effect.sheet_variants = [](const model::Model& model, const Excitation& excitation) {
+    return sheet_channel_variants(model, excitation, "cord_friction");
+  };
   effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
+    if (e.sheet && e.sheet->forces.empty()) return "no force was measured";
     if (!e.has_unloading) return "no run goes back, so no cord turns";
     return std::nullopt;
   };

@@ -24,6 +24,12 @@ Effect cord_friction();
 Effect clip_slip();
 Effect force_camera_delay();
 Effect camera_scale();
+// of sheets alone
+Effect rest_shape();
+Effect heterogeneity();
+Effect camera_pose();
+Effect occlusion_bias();
+Effect wrong_mass();
 
 /// Tightens the bounds of a parameter of the law.
 void bound_parameter(model::Law& law, const std::string& name, double lower, double upper);
@@ -33,6 +39,13 @@ bool same_measure(const model::StrainMeasure& measure, const Place& place);
 /// A sensor correction of this type on each channel of force that does not have it yet.
 std::vector<Variant> channel_variants(const model::Model& model, const Excitation& excitation,
                                       const std::string& type);
+/// Of sheets: the correction on each named force channel of all captures (on all channels where
+/// they have no names), unless the model has it.
+std::vector<Variant> sheet_channel_variants(const model::Model& model, const Excitation& excitation,
+                                            const std::string& type);
+/// Of sheets: the correction on all captures together, and on each where there are several.
+std::vector<Variant> sheet_capture_variants(const model::Model& model, const Excitation& excitation,
+                                            const std::string& type);
 /// Variants of a law that remembers the largest strain, along weft, warp and both, with `scale` on
 /// a grid of shares of the strain reached and at most `longest` times it.
 std::vector<Variant> memory_variants(const model::Model& model, const Excitation& excitation,

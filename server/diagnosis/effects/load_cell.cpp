@@ -10,8 +10,12 @@ Effect load_cell(const std::string& id, const std::string& type) {
   effect.variants = [type](const model::Model& model, const Excitation& excitation) {
     return channel_variants(model, excitation, type);
   };
-  effect.not_excited = [](const model::Model&, const Excitation&) -> std::optional<std::string> {
+  effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
+    if (e.sheet && e.sheet->forces.empty()) return "no force was measured";
     return std::nullopt;
+  };
+  effect.sheet_variants = [type](const model::Model& model, const Excitation& excitation) {
+    return sheet_channel_variants(model, excitation, type);
   };
   return effect;
 }
@@ -30,6 +34,7 @@ Effect load_cell_drift() {
   Effect effect = load_cell("load_cell_drift", "drift");
   effect.needs_rate = true;
   effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {
+    if (e.sheet && e.sheet->forces.empty()) return "no force was measured";
     if (!e.has_clock) return "no time was recorded";
     return std::nullopt;
   };

@@ -46,6 +46,59 @@ std::vector<Variant> channel_variants(const model::Model& model, const Excitatio
   return variants;
 }
 
+namespace {
+
+bool has_correction(const model::Model& model, const model::SensorCorrection& correction) {
+  for (const model::SensorCorrection& c : model.corrections)
+    if (c.type == correction.type && c.component == correction.component &&
+        c.capture == correction.capture)
+      return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<Variant> sheet_channel_variants(const model::Model& model, const Excitation& excitation,
+                                            const std::string& type) {
+  std::vector<Variant> variants;
+  const auto& forces = excitation.sheet->forces;
+  const auto add = [&](const std::string& name, const std::string& capture) {
+    Variant variant;
+    variant.words = (name.empty() ? "all channels of force" : "force " + name) +
+                    (capture.empty() ? "" : " in " + capture);
+    variant.corrections.push_back(new_sheet_correction(model, type, name, capture));
+    const bool known = has_correction(model, variant.corrections.front());
+    if (!known) variants.push_back(std::move(variant));
+  };
+  for (std::size_t k = 0; k < forces.size(); ++k) {
+    const auto same = [&](const SheetExcitation::Force& f) { return f.name == forces[k].name; };
+    const auto first = std::find_if(forces.begin(), forces.end(), same);
+    if (first == forces.begin() + static_cast<std::ptrdiff_t>(k)) add(forces[k].name, "");
+    // one cell of a rig, or one that was read wrong in one capture
+    const bool is_shared = std::any_of(forces.begin(), forces.end(), [&](const auto& f) {
+      return same(f) && f.capture != forces[k].capture;
+    });
+    if (is_shared && !forces[k].name.empty()) add(forces[k].name, forces[k].capture);
+  }
+  return variants;
+}
+
+std::vector<Variant> sheet_capture_variants(const model::Model& model, const Excitation& excitation,
+                                            const std::string& type) {
+  std::vector<Variant> variants;
+  std::vector<std::string> captures = {""};
+  if (excitation.sheet->captures.size() > 1)
+    captures.insert(captures.end(), excitation.sheet->captures.begin(),
+                    excitation.sheet->captures.end());
+  for (const std::string& capture : captures) {
+    Variant variant;
+    variant.words = capture.empty() ? "all captures" : "capture " + capture;
+    variant.corrections.push_back(new_sheet_correction(model, type, "", capture));
+    if (!has_correction(model, variant.corrections.front())) variants.push_back(std::move(variant));
+  }
+  return variants;
+}
+
 std::vector<Variant> memory_variants(const model::Model& model, const Excitation& excitation,
                                      const std::string& id, const std::string& law,
                                      const std::string& amplitude, const std::string& scale,

@@ -85,9 +85,10 @@ void screen_catalogue(const model::Model& fitted, const Excitation& excitation,
                       const ColumnSource& source, const ScreenOptions& options, Screen& result) {
   Gathering gathering(fitted);
   std::vector<std::vector<Variant>> variants;  // kept alive: the entries point into it
-  variants.reserve(catalogue().size());
+  const std::vector<Effect>& effects = excitation.sheet ? sheet_catalogue() : catalogue();
+  variants.reserve(effects.size());
   std::map<const Effect*, ScreenRow> table;
-  for (const Effect& effect : catalogue()) {
+  for (const Effect& effect : effects) {
     ScreenRow row;
     row.effect = &effect;
     variants.emplace_back();
@@ -134,7 +135,7 @@ void screen_catalogue(const model::Model& fitted, const Excitation& excitation,
     row.grid = c.setting;
   }
   std::stable_sort(result.candidates.begin(), result.candidates.end(), by_ratio);
-  for (const Effect& effect : catalogue()) result.table.push_back(table[&effect]);
+  for (const Effect& effect : effects) result.table.push_back(table[&effect]);
   std::stable_sort(result.table.begin(), result.table.end(),
                    [](const ScreenRow& a, const ScreenRow& b) { return a.ratio > b.ratio; });
 }

@@ -126,6 +126,11 @@ TEST(Catalogue, EveryRowOfWordsIsScreenedOrChecked) {
   EXPECT_GE(ids.size(), 13U);
   EXPECT_EQ(find_effect("gremlins"), nullptr);
   ids.insert(kChecked.begin(), kChecked.end());
+  for (const Effect& effect : sheet_catalogue()) {
+    ids.insert(effect.id);
+    ASSERT_NE(find_effect(effect.id), nullptr) << effect.id;
+    EXPECT_EQ(find_effect(effect.id)->words, effect.words);
+  }
   for (const effects::Row& row : effects::catalogue())
     EXPECT_TRUE(ids.contains(row.id)) << row.id << " has words and nothing finds it";
 }

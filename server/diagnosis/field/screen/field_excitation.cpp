@@ -83,6 +83,21 @@ void finish(Curves& curves) {
   curves.runs = {{1, curves.title, 0, static_cast<int>(curves.path.q.size())}};
 }
 
+/// Forces, and whether points are hidden.
+void add_seen(const estimation::Sequence& sequence, SheetExcitation& sheet) {
+  sheet.captures.push_back(sequence.name);
+  for (std::size_t k = 0; k < sequence.forces.size(); ++k) {
+    double largest = 0.0;
+    for (const auto& frame : sequence.frames)
+      if (std::isfinite(frame.forces_N[static_cast<Eigen::Index>(k)]))
+        largest = std::max(largest, frame.forces_N[static_cast<Eigen::Index>(k)]);
+    sheet.forces.push_back({sequence.forces[k].name, sequence.name, largest,
+                            static_cast<int>(sequence.frames.size())});
+  }
+  for (const auto& frame : sequence.frames)
+    sheet.has_hidden = sheet.has_hidden || !frame.points_m.allFinite();
+}
+
 /// Adds min(|eps_1|, |eps_2|) of every element to a histogram.
 void add_together(const mechanics::TermStrains& term, StrainHistogram& histogram) {
   for (std::size_t k = 0; 2 * k + 1 < term.strain.size(); ++k)
@@ -125,7 +140,7 @@ Expected<Excitation> examine_sheets(const FieldData& data, const FieldStates& st
     }
     finish(curves);
     means.push_back(std::move(curves));
-    sheet.captures.push_back(data.ids[s]);
+    add_seen(sequence, sheet);
     sheet.lo_m = sheet.lo_m.cwiseMin(sequence.cloth.mesh.material_m.rowwise().minCoeff());
     sheet.hi_m = sheet.hi_m.cwiseMax(sequence.cloth.mesh.material_m.rowwise().maxCoeff());
     sheet.hangs = sheet.hangs || sequence.loads.node_mass_kg.size() > 0;

@@ -72,15 +72,15 @@ double lack_of_fit(const FieldFit& fit, const FieldData& data) {
   return worst;
 }
 
-/// Base columns in the gathered order, added ones, residuals: batch by batch.
+/// All columns in the gathered order, then the residuals: batch by batch.
 Eigen::MatrixXd reduced(const FieldFit& fit, const Gathering& gathering,
-                        const Eigen::MatrixXd& added) {
+                        const Eigen::MatrixXd& added, const Eigen::MatrixXd& corrected) {
   constexpr Eigen::Index kBatch = 1024;
   const Eigen::Index terms = gathering.base_term_count();
   const Eigen::Index corrections = gathering.base_correction_count();
   const Eigen::Index rows = fit.at.fit.residuals.size();
   const Eigen::MatrixXd& jacobian = fit.at.fit.jacobian;
-  const Eigen::Index columns = terms + added.cols() + corrections + 1;
+  const Eigen::Index columns = terms + added.cols() + corrections + corrected.cols() + 1;
   Coordinates coordinates(columns);
   Eigen::MatrixXd batch;
   for (Eigen::Index first = 0; first < rows; first += kBatch) {
@@ -90,6 +90,8 @@ Eigen::MatrixXd reduced(const FieldFit& fit, const Gathering& gathering,
     batch.middleCols(terms, added.cols()) = added.middleRows(first, count);
     batch.middleCols(terms + added.cols(), corrections) =
         jacobian.block(first, terms, count, corrections);
+    batch.middleCols(terms + added.cols() + corrections, corrected.cols()) =
+        corrected.middleRows(first, count);
     batch.rightCols(1) = fit.at.fit.residuals.segment(first, count);
     coordinates.add(batch);
   }
@@ -118,7 +120,12 @@ Expected<Screen> screen_field(const FieldFit& fit, const FieldData& data,
       error = added.error();
       return false;
     }
-    const Eigen::MatrixXd all = reduced(fit, gathering, *added);
+    const auto corrected = correction_columns(fit, data, gathering.added_corrections(), threads);
+    if (!corrected) {
+      error = corrected.error();
+      return false;
+    }
+    const Eigen::MatrixXd all = reduced(fit, gathering, *added, *corrected);
     columns = all.leftCols(all.cols() - 1);
     std::vector<Eigen::Index> free = free_columns(fit.at.fit);
     for (Eigen::Index& c : free)

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/diagnosis/field/screen/term_columns.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
 #include "common/model/catalogue.h"
 #include "server/estimation/parallel.h"
 #include "server/estimation/sequences/observations.h"
+#include "server/estimation/sequences/sensors/sequence_sensors.h"
+#include "server/estimation/sequences/sequence_evaluator.h"
 #include "server/mechanics/equilibrium/sensitivity.h"
 
 namespace tenter::diagnosis {
@@ -69,8 +72,13 @@ std::vector<Group> grouped(const std::vector<model::Term>& terms,
 /// One sequence, frame after frame.
 class Walk {
  public:
-  Walk(const FieldFit& fit, const FieldData& data, std::size_t sequence, Eigen::Index columns)
-      : fit_(fit), sequence_(data.sequences[sequence]), index_(sequence), columns_(columns) {}
+  Walk(const FieldFit& fit, const FieldData& data, std::size_t sequence, Eigen::Index columns,
+       const estimation::SequenceSensors& sensors)
+      : fit_(fit),
+        sequence_(data.sequences[sequence]),
+        index_(sequence),
+        columns_(columns),
+        sensors_(sensors) {}
 
   Expected<void> run(const std::vector<Group>& groups, const std::vector<std::vector<int>>& row_of,
                      Eigen::MatrixXd& result) {
@@ -99,6 +107,7 @@ class Walk {
     const estimation::Observations channels(sequence_);
     for (std::size_t f = 0; f < sequence_.frames.size(); ++f)
       if (auto ok = frame(f, parts, channels, row_of[f], result); !ok) return ok;
+    if (!sensors_.is_empty()) show(channels, row_of, result);
     return {};
   }
 
@@ -117,6 +126,8 @@ class Walk {
     mechanics::State state = fit_.states[index_][f];
     mechanics::Loads loads = sequence_.loads;
     loads.cord_force_N = measured.cord_force_N;
+    if (!sensors_.is_empty())
+      sensors_.act(sequence_, index_, f, fit_.at.fit.parameters, loads, state.clips);
     mechanics::EquilibriumOptions options;
     options.tolerance_N = kTolerance_N;
     options.start_is_near = true;
@@ -146,13 +157,26 @@ class Walk {
     }
     estimation::Observation seen;
     Eigen::RowVectorXd change;
+    estimation::Readings predicted;
+    if (!sensors_.is_empty()) {
+      predicted.value.setZero(channels.count());
+      predicted.by_p.setZero(channels.count(), sensors_.parameter_count());
+    }
     for (int c = 0; c < channels.count(); ++c) {
       const int row = row_of[static_cast<std::size_t>(c)];
-      if (row < 0) continue;
+      if (row < 0 && sensors_.is_empty()) continue;
       channels.observe(sequence_, c, {boundary, state, solved->by_node}, seen);
       change_of(seen, *moved, change);
-      result.row(row) = change / channels.sigma(sequence_, c);
+      if (sensors_.is_empty()) {
+        result.row(row) = change / channels.sigma(sequence_, c);
+        continue;
+      }
+      predicted.value[c] = seen.value;
+      raw_.resize(sequence_.frames.size());
+      raw_[f].resize(channels.count(), columns_);
+      raw_[f].row(c) = change;
     }
+    if (!sensors_.is_empty()) predicted_.push_back(std::move(predicted));
     return {};
   }
 
@@ -181,10 +205,39 @@ class Walk {
     return {};
   }
 
+  /// What the model's instruments make of the columns: their derivatives are linear in those of the
+  /// readings, so as many columns as the model has parameters go through at a time, in their
+  /// places.
+  void show(const estimation::Observations& channels, const std::vector<std::vector<int>>& row_of,
+            Eigen::MatrixXd& result) {
+    const Eigen::Index places = parameters_.size();
+    estimation::Readings shown;
+    for (Eigen::Index first = 0; first < columns_; first += places) {
+      const Eigen::Index count = std::min(places, columns_ - first);
+      for (std::size_t f = 0; f < predicted_.size(); ++f) {
+        predicted_[f].by_p.setZero();
+        predicted_[f].by_p.leftCols(count) = raw_[f].middleCols(first, count);
+      }
+      for (std::size_t f = 0; f < predicted_.size(); ++f) {
+        sensors_.show(sequence_, index_, f, predicted_, fit_.at.fit.parameters, true, shown);
+        for (int c = 0; c < channels.count(); ++c) {
+          const int row = row_of[f][static_cast<std::size_t>(c)];
+          if (row >= 0)
+            result.row(row).segment(first, count) =
+                shown.by_p.row(c).head(count) / channels.sigma(sequence_, c);
+        }
+      }
+    }
+  }
+
   const FieldFit& fit_;
   const estimation::Sequence& sequence_;
   std::size_t index_;
   Eigen::Index columns_;
+  const estimation::SequenceSensors& sensors_;
+  // of models with corrections: what the frames show, and by the columns, before instruments
+  std::vector<estimation::Readings> predicted_;
+  std::vector<Eigen::MatrixXd> raw_;
   std::optional<MeshModel> base_;
   std::vector<std::optional<EquilibriumSolver>> solvers_;
   Eigen::VectorXd parameters_;
@@ -194,6 +247,43 @@ class Walk {
 };
 
 }  // namespace
+
+Expected<Eigen::MatrixXd> correction_columns(
+    const FieldFit& fit, const FieldData& data,
+    const std::vector<model::SensorCorrection>& corrections, int threads) {
+  model::Model model = fit.at.model;
+  const auto own = static_cast<Eigen::Index>(estimation::parameters_of(model).size());
+  estimation::SequenceOptions options;
+  options.threads = threads;
+  options.tolerance_N = kTolerance_N;
+  options.starts_are_near = true;
+  options.weighting.rule = estimation::WeightingRule::by_noise;
+  Eigen::Index columns = 0;
+  for (std::size_t k = 0; k < corrections.size(); ++k) {
+    model.corrections.push_back(corrections[k]);
+    model.corrections.back().id = "added_" + std::to_string(k);  // ids of variants may be alike
+    for (const model::Parameter& p : corrections[k].parameters) {
+      if (!p.fixed) options.moving.push_back(own + columns);
+      ++columns;
+    }
+  }
+  Eigen::MatrixXd result =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(fit.rows.size()), columns);
+  if (options.moving.empty()) return result;
+  std::vector<estimation::Sequence> sequences = data.sequences;
+  for (std::size_t s = 0; s < fit.states.size(); ++s)
+    for (std::size_t f = 0; f < fit.states[s].size(); ++f)
+      sequences[s].frames[f].start = fit.states[s][f];
+  auto evaluator = estimation::SequenceEvaluator::make(model, std::move(sequences), options);
+  if (!evaluator) return tl::unexpected(evaluator.error());
+  Eigen::VectorXd residuals;
+  estimation::RowMatrix jacobian;
+  if (evaluator->evaluate(estimation::parameter_values(model), residuals, &jacobian) !=
+      mechanics::PathStatus::ok)
+    return fail(ErrorKind::refused, evaluator->failure());
+  result = jacobian.rightCols(columns);
+  return result;
+}
 
 Expected<Eigen::MatrixXd> term_columns(const FieldFit& fit, const FieldData& data,
                                        const std::vector<model::Term>& terms,
@@ -214,10 +304,12 @@ Expected<Eigen::MatrixXd> term_columns(const FieldFit& fit, const FieldData& dat
     row_of[static_cast<std::size_t>(fit.rows[r].curve)][static_cast<std::size_t>(fit.rows[r].frame)]
           [static_cast<std::size_t>(fit.rows[r].channel)] = static_cast<int>(r);
   const std::vector<Group> groups = grouped(terms, fields);
+  const auto sensors = estimation::SequenceSensors::make(fit.at.model, data.sequences);
+  if (!sensors) return tl::unexpected(sensors.error());
   std::vector<Expected<void>> done(data.sequences.size());
   estimation::in_parallel(threads, static_cast<int>(done.size()), [&](int, int s) {
     const auto k = static_cast<std::size_t>(s);
-    done[k] = Walk(fit, data, k, columns).run(groups, row_of[k], result);
+    done[k] = Walk(fit, data, k, columns, *sensors).run(groups, row_of[k], result);
   });
   for (const auto& one : done)
     if (!one) return tl::unexpected(one.error());

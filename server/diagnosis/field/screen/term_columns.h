@@ -22,6 +22,13 @@
 
 namespace tenter::diagnosis {
 
+/// Rows of the fit x parameters of sensor corrections that are off, in their order; zero where one
+/// is fixed. One evaluation of the fitted model with all of them. bad_input as
+/// SequenceEvaluator::make.
+Expected<Eigen::MatrixXd> correction_columns(
+    const FieldFit& fit, const FieldData& data,
+    const std::vector<model::SensorCorrection>& corrections, int threads);
+
 /// Rows of the fit x parameters of the terms in their order; zero where a parameter is fixed.
 /// bad_input as MeshModel::make; refused where a frame is no stable rest.
 Expected<Eigen::MatrixXd> term_columns(const FieldFit& fit, const FieldData& data,

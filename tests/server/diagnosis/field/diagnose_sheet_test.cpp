@@ -32,7 +32,7 @@ const Verdict& first(const SheetDiagnosis& d) {
 
 /// What the rig states of its noise is three times too little here.
 TEST(DiagnoseSheet, FindsNothingWhereNothingIsWrong) {
-  const SheetTruth truth{.model = compliant_cloth(), .frames = 12, .noise = 3.0};
+  const SheetTruth truth{.model = compliant_cloth(), .frames = 10, .noise = 3.0};
   const SheetDiagnosis d = diagnosed(sheets_of(truth, compliant_cloth()));
   EXPECT_EQ(first(d).kind, VerdictKind::nothing_found) << in_lines(d.verdicts);
   EXPECT_TRUE(d.findings.empty());
@@ -84,7 +84,7 @@ TEST(DiagnoseSheet, NamesAnisotropyWithTheSameBytesForAnyNumberOfThreads) {
   model::Model isotropic = model::preset("stvk_isotropic").value();
   const model::Model cloth = compliant_cloth();
   for (std::size_t t = 3; t < cloth.terms.size(); ++t) isotropic.terms.push_back(cloth.terms[t]);
-  SheetTruth truth{.model = isotropic, .protocols = {"stretch_u", "stretch_v"}, .frames = 10};
+  SheetTruth truth{.model = isotropic, .protocols = {"stretch_u", "stretch_v"}, .frames = 8};
   truth.model.terms.push_back(new_term(truth.model, "own", "green_v", 0.0, "linear"));
   truth.model.terms[0].law.parameters[0].value = 40.0;
   truth.model.terms[1].law.parameters[0].value = 25.0;
@@ -97,6 +97,20 @@ TEST(DiagnoseSheet, NamesAnisotropyWithTheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(d.extended.at.fit.parameters, again.extended.at.fit.parameters);
   EXPECT_EQ(d.extended.at.fit.residuals, again.extended.at.fit.residuals);
   EXPECT_EQ(in_lines(d.verdicts), in_lines(again.verdicts));
+}
+
+/// One of two cells that pull on the same cloth shows 20 mN too much.
+TEST(DiagnoseSheet, BlamesALoadCellForItsZero) {
+  const SheetTruth truth{
+      .model = compliant_cloth(), .protocols = {"stretch_u", "stretch_v"}, .frames = 10};
+  SheetRequest request = sheets_of(truth, compliant_cloth());
+  for (auto& frame : request.sequences[0].sequence.frames) frame.forces_N[1] += 0.02;
+  const SheetDiagnosis d = diagnosed(request);
+  EXPECT_EQ(first(d).kind, VerdictKind::sensor) << in_lines(d.verdicts);
+  EXPECT_EQ(first(d).effect, "load_cell_offset") << in_lines(d.verdicts);
+  ASSERT_EQ(d.extended.at.model.corrections.size(), 1U);
+  EXPECT_EQ(d.extended.at.model.corrections[0].component, "stretch_u_2");
+  EXPECT_NEAR(d.extended.at.model.corrections[0].parameters[0].value, 0.02, 0.004);
 }
 
 TEST(DiagnoseSheet, StopsWhenItIsToldTo) {

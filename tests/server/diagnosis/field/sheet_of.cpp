@@ -68,6 +68,8 @@ diagnosis::SheetRequest sheets_of(const SheetTruth& truth, const model::Model& b
     const twin::Protocol protocol =
         twin::make_protocol(fabric, name, {.frames = truth.frames, .cells = kCells});
     estimation::Sequence sequence = twin::sequence_of(fabric, protocol, {.nodes = kCells + 1});
+    for (std::size_t k = 0; k < sequence.forces.size(); ++k)
+      sequence.forces[k].name = name + "_" + std::to_string(k + 1);
     if (truth.two_rates)
       for (std::size_t f = 1; f < sequence.frames.size(); ++f)
         sequence.frames[f].duration_s = sequence.frames[f].block < 2 ? 1.0 : 10.0;

@@ -23,8 +23,8 @@
 //
 // Points. Every vertex that is seen, lies in the simulated mesh and in no clip is compared by its
 // place in the material; `most_points` thins them evenly. In a frame where all nodes about a vertex
-// are held, its reading tells nothing of the material and is left out. Vertices in the mesh that are
-// no channels are in hidden_m of the frames that did not see them.
+// are held, its reading tells nothing of the material and is left out. Vertices in the mesh that
+// are no channels are in hidden_m of the frames that did not see them.
 //
 // Frames start from the measured positions (measured_state.h). A branch of a run is a block. Their
 // durations are the capture's clock's, over frames that are left out too; zero without a clock.

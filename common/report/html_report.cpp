@@ -8,6 +8,7 @@
 #include "common/report/html_parts.h"
 #include "common/report/html_tables.h"
 #include "common/report/html_text.h"
+#include "common/report/sheet/mesh_svg.h"
 #include "common/report/sheet/sheet_report.h"
 #include "common/report/summary.h"
 #include "common/report/words.h"
@@ -17,10 +18,11 @@ namespace tenter::report {
 namespace {
 
 constexpr PageSection kSections[] = {
-    {"friction", "Friction"}, {"test", "Readings"},         {"captures", "Captures"},
-    {"loops", "Loops"},       {"transverse", "Transverse"}, {"residuals", "Residuals"},
-    {"model", "Model"},       {"parameters", "Parameters"}, {"path", "How it grew"},
-    {"screen", "Screen"},     {"checklist", "Checklist"},   {"figures", "More figures"}};
+    {"friction", "Friction"},   {"test", "Readings"},         {"captures", "Captures"},
+    {"loops", "Loops"},         {"transverse", "Transverse"}, {"residuals", "Residuals"},
+    {"sheets", "The sheet"},    {"model", "Model"},           {"parameters", "Parameters"},
+    {"path", "How it grew"},    {"screen", "Screen"},         {"checklist", "Checklist"},
+    {"figures", "More figures"}};
 
 }  // namespace
 
@@ -34,8 +36,8 @@ Expected<std::string> render_html(const std::string& result_json) {
   const std::string details =
       friction_section(result) + capture_table(result) +
       figure_sections(result, {"baseline model", "extended model", extends_baseline(result)}) +
-      model_table(result) + parameter_table(result) + path_table(result) + screen_table(result) +
-      checklist_table(result);
+      sheet::mesh_section(result) + model_table(result) + parameter_table(result) +
+      path_table(result) + screen_table(result) + checklist_table(result);
   std::string body = page_header(result, subject(result), headline(result), kSections, details);
   body += summary_cards(result) + verdict_table(result) + details;
   body += "<footer>" + fit_note(result) +

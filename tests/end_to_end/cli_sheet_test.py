@@ -82,6 +82,18 @@ class Sheets(CommandTest):
         for words in ('id="grid-error"', "held: the captures do not tell it"):
             self.assertIn(words, page)
 
+    def test_a_diagnosis_finds_nothing_where_nothing_is_wrong(self):
+        files = self.captures(7, 6, ("stretch_u", "stretch_v", "shear"))
+        done = self.run_command("diagnose", *files, "--model", "cloth_stvk", "--resolution", "7", "--grid", "equal", "--hold-out",
+                                "shear.h5", "--report", "why.html", "-o", "why.json")
+        result = json.loads((self.work / "why.json").read_text())
+        self.assertEqual(result["verdicts"][0]["verdict"], "NOTHING_FOUND", result["verdicts"])
+        self.assertIn("othing found", done.stdout)
+        self.assertEqual([c["held_out"] for c in result["captures"]], [False, False, True])
+        page = (self.work / "why.html").read_text()
+        for part in ('id="sheets"', 'id="screen"', 'svg class="mesh"'):
+            self.assertIn(part, page)
+
     def test_mistakes_are_told_in_one_sentence(self):
         files = self.captures(5, 2, ("stretch_u", "stretch_v"))
         for more, code, words in ((("--role", "x.h5=shear"), 2, "--role x.h5: is none of the captures given"),
@@ -96,7 +108,7 @@ class Sheets(CommandTest):
             self.assertIn(words, self.json(*self.fit_arguments(files, *more), code=2)["error"]["message"])
         error = self.json("fit", *files, code=7)["error"]["message"]
         self.assertIn("options.roles: capture", error)
-        self.assertIn("diagnose does not take them", self.json("diagnose", *files, code=7)["error"]["message"])
+        self.assertIn("simulate does not take them", self.json("simulate", *files, code=7)["error"]["message"])
 
     def workers_of(self, daemon):
         pids = []

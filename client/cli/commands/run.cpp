@@ -162,6 +162,9 @@ void add_diagnose(CLI::App& app, Context& context) {
       "Several captures, of one "
       "specimen or of several of one material, are diagnosed together.\n"
       "\n"
+      "Captures of a deforming sheet (tracked points, clip forces) are diagnosed on a mesh: give a "
+      "model of cloth, and with --hold-out the captures that no fit shall see.\n"
+      "\n"
       "Ctrl-C stops waiting, the job goes on. The same job again is answered from the store.\n"
       "\n"
       "With --json the object has verdicts (each: verdict, effect, size, interval, p_value, "
@@ -172,6 +175,7 @@ void add_diagnose(CLI::App& app, Context& context) {
       "EXAMPLES\n"
       "    tenter diagnose pull.h5 --report report.html\n"
       "    tenter diagnose warp.h5 weft.h5 shear.h5 --model soft_constraints\n"
+      "    tenter diagnose u.h5 v.h5 shear.h5 corner.h5 --model cloth_stvk --hold-out corner.h5\n"
       "    tenter --json diagnose pull.h5 | jq -r '.verdicts[] | [.verdict, .effect] | @tsv'\n"
       "    tenter diagnose 3fa9c1 --detach --priority 20\n"
       "    tenter diagnose two_rates.h5 --continue last\n",
@@ -188,6 +192,12 @@ void add_diagnose(CLI::App& app, Context& context) {
                    "At most so many effects are added to the model.")
       ->type_name("N")
       ->check(CLI::Range(0, 20));
+  auto sheet = std::make_shared<SheetFitDraft>();
+  add_sheet_reading_options(*command, *sheet);
+  draft->run.complete_options = [sheet, names = &draft->run.captures](
+                                    const std::vector<std::string>& ids, nlohmann::json& options) {
+    return complete_options(*sheet, *names, ids, options);
+  };
 }
 
 void add_fit(CLI::App& app, Context& context) {

@@ -77,10 +77,6 @@ void add_requests(CLI::App& command, SheetFitDraft& draft) {
       ->check(CLI::Range(0, 16));
   command.add_flag("--limits", draft.limits,
                    "Sheets: fit the largest energy density of the model's limit as well.");
-  command.add_flag(
-      "--without-grid-error", draft.without_grid_error,
-      "Sheets: estimate what the simulated grid is wrong by, from one of half its spacing, "
-      "take it off and fit again: curves of the cloth instead of those that suit this grid.");
   command
       .add_option("--hold-unseen", draft.hold_unseen,
                   "Sheets: hold diagonal bending where the strips do not tell it: at what stands "
@@ -91,23 +87,11 @@ void add_requests(CLI::App& command, SheetFitDraft& draft) {
 
 }  // namespace
 
-void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft) {
+void add_sheet_reading_options(CLI::App& command, SheetFitDraft& draft) {
   command
-      .add_option("--role", draft.roles,
-                  "Sheets: what a capture is for: stretch_u, stretch_v, shear, bend_u, bend_v, or "
-                  "evaluation (held out); one for each capture.")
-      ->type_name("CAPTURE=ROLE")
-      ->expected(1)
-      ->take_all();
-  command
-      .add_option("--held-out", draft.held_out,
+      .add_option("--held-out,--hold-out", draft.held_out,
                   "Sheets: compare this capture at the end, but do not fit to it; may be repeated.")
       ->type_name("CAPTURE")
-      ->expected(1)
-      ->take_all();
-  command
-      .add_option("--weight", draft.weights, "Sheets: weight of a capture in the cost. Default: 1.")
-      ->type_name("CAPTURE=NUMBER")
       ->expected(1)
       ->take_all();
   command
@@ -134,6 +118,26 @@ void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft) {
                   "all.")
       ->type_name("N")
       ->check(CLI::NonNegativeNumber);
+  command.add_flag(
+      "--without-grid-error", draft.without_grid_error,
+      "Sheets: estimate what the simulated grid is wrong by, from one of half its spacing, "
+      "take it off and fit again: curves of the cloth instead of those that suit this grid.");
+}
+
+void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft) {
+  add_sheet_reading_options(command, draft);
+  command
+      .add_option("--role", draft.roles,
+                  "Sheets: what a capture is for: stretch_u, stretch_v, shear, bend_u, bend_v, or "
+                  "evaluation (held out); one for each capture.")
+      ->type_name("CAPTURE=ROLE")
+      ->expected(1)
+      ->take_all();
+  command
+      .add_option("--weight", draft.weights, "Sheets: weight of a capture in the cost. Default: 1.")
+      ->type_name("CAPTURE=NUMBER")
+      ->expected(1)
+      ->take_all();
   command
       .add_option("--max-control-points", draft.max_control_points,
                   "Sheets: of a stiffness curve. Default: 5.")

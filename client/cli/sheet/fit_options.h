@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Options of `tenter fit` that only captures of a deforming sheet have.
+// Options of `tenter fit` and `tenter diagnose` that only captures of a deforming sheet have.
 //
 //   auto draft = std::make_shared<SheetFitDraft>();
 //   add_sheet_fit_options(*command, *draft);
@@ -44,6 +44,8 @@ struct SheetFitDraft {
 };
 
 void add_sheet_fit_options(CLI::App& command, SheetFitDraft& draft);
+/// Those that a diagnosis has too: what is held out, and how captures are read.
+void add_sheet_reading_options(CLI::App& command, SheetFitDraft& draft);
 
 /// Puts what was given into the job's options. `names` are the captures as the user named them,
 /// `ids` their SHA-256, in the same order; bad_input names the option that names none of them.

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/jobs/results/result_document.h"
 
-#include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "common/model/document.h"
-#include "server/diagnosis/verdicts.h"
+#include "server/jobs/results/diagnosis_json.h"
 #include "server/jobs/results/json_number.h"
 #include "server/jobs/results/result_figures.h"
 
@@ -26,50 +24,6 @@ json error_of(const std::optional<diagnosis::Score>& score) {
 }
 json r2_of(const std::optional<diagnosis::Score>& score) {
   return score ? number(score->r2) : json(nullptr);
-}
-
-/// The proposed pull for machines: strains, rates and seconds.
-json design_json(const diagnosis::Design& design) {
-  json steps = json::array();
-  for (const diagnosis::ExperimentStep& step : design.plan.steps)
-    steps.push_back(step.is_hold ? json{{"kind", "hold"}, {"seconds", step.seconds}}
-                                 : json{{"kind", "ramp"},
-                                        {"strain", number(step.strain)},
-                                        {"rate_per_s", number(step.rate_per_s)}});
-  return {{"mounted_as", design.mounted_as},
-          {"component", estimation::component_name(design.plan.component)},
-          {"steps", steps},
-          {"duration_s", number(design.plan.duration_s())},
-          {"largest_force_N_m", number(design.separation.largest_N_m)},
-          {"expected_separation", number(design.separation.of_noise())},
-          {"pulls_considered", design.considered}};
-}
-
-json verdict_json(const diagnosis::Verdict& v) {
-  json protocol = nullptr;
-  if (v.next_protocol) {
-    json phases = json::array();
-    for (const auto& phase : v.next_protocol->phases)
-      phases.push_back({{"kind", phase.kind}, {"words", phase.words}});
-    protocol = {
-        {"name", v.next_protocol->name}, {"words", v.next_protocol->words}, {"phases", phases}};
-    if (v.design) protocol["design"] = design_json(*v.design);
-  }
-  json evidence = json::object();
-  for (const auto& [name, value] : v.evidence) evidence[name] = number(value);
-  const bool sized = v.kind != diagnosis::VerdictKind::not_excited &&
-                     v.kind != diagnosis::VerdictKind::nothing_found;
-  const bool has_interval = sized && v.size_hi > v.size_lo;
-  return {{"verdict", diagnosis::verdict_name(v.kind)},
-          {"effect", v.effect.empty() ? json(nullptr) : json(v.effect)},
-          {"words", v.words},
-          {"size", sized ? number(v.size) : json(nullptr)},
-          {"interval",
-           has_interval ? json::array({number(v.size_lo), number(v.size_hi)}) : json(nullptr)},
-          {"p_value", v.p_value ? number(*v.p_value) : json(nullptr)},
-          {"alternatives", v.alternatives},
-          {"next_protocol", protocol},
-          {"evidence", evidence}};
 }
 
 json captures_json(const Diagnosis& d, const diagnosis::Request& request) {
@@ -104,37 +58,6 @@ json captures_json(const Diagnosis& d, const diagnosis::Request& request) {
                     {"held_out_before", error_of(score.held_out_before)},
                     {"held_out_after", error_of(score.held_out_after)},
                     {"channels", channels}});
-  }
-  return list;
-}
-
-json screen_json(const diagnosis::Screen& screen) {
-  json list = json::array();
-  for (const diagnosis::ScreenRow& row : screen.table) {
-    json grid = json::object();
-    for (const auto& [address, value] : row.grid) grid[address] = number(value);
-    list.push_back({{"effect", row.effect->id},
-                    {"gain", number(row.gain)},
-                    {"df", row.df},
-                    {"ratio", number(row.ratio)},
-                    {"status", row.status},
-                    {"grid", grid}});
-  }
-  return list;
-}
-
-json path_json(const Diagnosis& d) {
-  json list = json::array();
-  for (const diagnosis::PathStep& step : d.path) {
-    list.push_back({{"action", step.action},
-                    {"effect", step.effect.empty() ? json(nullptr) : json(step.effect)},
-                    {"why", step.why},
-                    {"error", number(step.error)},
-                    {"held_out", step.held_out ? number(*step.held_out) : json(nullptr)},
-                    {"chi2", number(step.chi2)},
-                    {"parameters", step.parameters},
-                    {"bic", number(step.information)},
-                    {"p_value", step.p_value ? number(*step.p_value) : json(nullptr)}});
   }
   return list;
 }
@@ -177,16 +100,11 @@ json model_parameters_json(const model::Model& model,
 
 json result_document(const Diagnosis& d, const diagnosis::Request& request,
                      const std::string& kind) {
-  json verdicts = json::array();
-  for (const diagnosis::Verdict& v : d.verdicts) verdicts.push_back(verdict_json(v));
-  json checklist = json::array();
-  for (const diagnosis::Check& c : d.checklist)
-    checklist.push_back({{"level", c.level}, {"what", c.what}, {"why", c.why}});
   const estimation::FitResult& fit = d.extended.fit;
   return {{"schema", "tenter.result"},
           {"version", 1},
           {"kind", kind},
-          {"verdicts", verdicts},
+          {"verdicts", verdicts_json(d.verdicts)},
           {"noise_floor", number(d.noise_floor)},
           {"error_before", number(d.before.error)},
           {"error_after", number(d.after.error)},
@@ -202,9 +120,9 @@ json result_document(const Diagnosis& d, const diagnosis::Request& request,
           {"model", json::parse(model::write_model(d.extended.model))},
           {"captures", captures_json(d, request)},
           {"screen", screen_json(d.first_screen)},
-          {"path", path_json(d)},
+          {"path", path_json(d.path)},
           {"parameters", model_parameters_json(d.extended.model, d.extended.fit.states)},
-          {"checklist", checklist},
+          {"checklist", checklist_json(d.checklist)},
           {"figures", figures_json(d)},
           {"fit",
            {{"cost", number(fit.chi2)},

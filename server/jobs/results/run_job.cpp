@@ -15,6 +15,7 @@
 #include "server/jobs/friction_test/run_friction_test.h"
 #include "server/jobs/results/result_document.h"
 #include "server/jobs/scene/run_scene.h"
+#include "server/jobs/sheet_diagnosis/run_sheet_diagnosis.h"
 #include "server/jobs/sheet_fit/run_sheet_fit.h"
 
 namespace tenter::jobs {
@@ -46,16 +47,15 @@ Expected<void> read_limit(const json& options, const char* key, double& value) {
   return {};
 }
 
-Expected<diagnosis::Options> read_options(const json& spec) {
+/// Of sheets there are others, which are read where sheets are.
+Expected<diagnosis::Options> read_options(const json& spec, bool of_sheets = false) {
   diagnosis::Options options;
   if (!spec.contains("options") || spec["options"].is_null()) return options;
   const json& given = spec["options"];
   if (!given.is_object()) return bad_input("options: must be an object");
-  static const std::set<std::string> kKnown = {
-      "seed",       "null_twins", "max_effects",    "max_frames_per_block", "leave_out", "effects",
-      "rig_strain", "rig_N_m",    "rig_rate_per_s", "rig_seconds",          "continues"};
   for (const auto& [key, value] : given.items())
-    if (!kKnown.contains(key)) return bad_input("options." + key + ": no such option");
+    if (!is_diagnosis_option(key) && !of_sheets)
+      return bad_input("options." + key + ": no such option");
   for (Expected<void> read :
        {read_number(given, "seed", 0, 1LL << 53, options.seed),
         read_number(given, "null_twins", 100, 100000, options.null_twins),
@@ -110,9 +110,10 @@ Expected<bool> are_sheets(const Captures& captures, const std::string& kind) {
   if (sheets == 0) return false;
   if (sheets != static_cast<std::ptrdiff_t>(captures.size()))
     return bad_input("captures: some are of a deforming sheet and some are not; fit them apart");
-  if (kind != "fit")
-    return bad_input("captures: those of a deforming sheet can be fitted; " + kind +
-                     " does not take them");
+  if (kind == "simulate")
+    return bad_input(
+        "captures: those of a deforming sheet can be fitted and diagnosed; simulate does not take "
+        "them");
   return true;
 }
 
@@ -172,6 +173,11 @@ Expected<void> run_job(const JobInput& input, const std::function<void(const Job
   if (!captures) return tl::unexpected(captures.error());
   const auto sheets = are_sheets(*captures, kind);
   if (!sheets) return tl::unexpected(sheets.error());
+  if (*sheets && kind == "diagnose") {
+    const auto options = read_options(spec, true);
+    if (!options) return tl::unexpected(options.error());
+    return run_sheet_diagnosis(input, spec, *options, std::move(*captures), report, stop);
+  }
   if (*sheets) return run_sheet_fit(input, spec, std::move(*captures), report, stop);
   if (has_protocol(spec)) {
     if (kind != "fit") return bad_input("options.protocol: only a fit has one");

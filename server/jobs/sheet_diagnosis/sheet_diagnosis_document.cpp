@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/jobs/sheet_diagnosis/sheet_diagnosis_document.h"
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/model/document.h"
+#include "server/jobs/results/diagnosis_json.h"
+#include "server/jobs/results/json_number.h"
+#include "server/jobs/results/result_document.h"
+#include "server/jobs/sheet_fit/document/sheet_figures.h"
+
+namespace tenter::jobs {
+namespace {
+
+using estimation::ObservationKind;
+using nlohmann::json;
+
+json error_of(const std::optional<diagnosis::Score>& score) {
+  return score ? number(score->error) : json(nullptr);
+}
+json r2_of(const std::optional<diagnosis::Score>& score) {
+  return score ? number(score->r2) : json(nullptr);
+}
+
+const char* kind_word(ObservationKind kind) {
+  return kind == ObservationKind::position ? "points"
+         : kind == ObservationKind::force  ? "forces"
+                                           : "others";
+}
+
+/// Fitted sequences come first among the scores, then those held out.
+const diagnosis::SheetScore* score_of(const diagnosis::SheetDiagnosis& d, const std::string& id) {
+  for (std::size_t s = 0; s < d.data.ids.size() && s < d.scores.size(); ++s)
+    if (d.data.ids[s] == id) return &d.scores[s];
+  for (std::size_t s = 0; s < d.held_out.ids.size(); ++s)
+    if (d.held_out.ids[s] == id && d.data.ids.size() + s < d.scores.size())
+      return &d.scores[d.data.ids.size() + s];
+  return nullptr;
+}
+
+json channels_json(const diagnosis::SheetDiagnosis& d, const std::string& id, std::string& words) {
+  json list = json::array();
+  for (const diagnosis::FieldNoise::Kind& kind : d.noise.kinds) {
+    if (d.data.ids[static_cast<std::size_t>(kind.sequence)] != id || kind.rows == 0) continue;
+    words = estimation::noise_source_words(kind.source);
+    list.push_back({{"name", kind_word(kind.kind)},
+                    {"unit", kind.kind == ObservationKind::position ? "m" : "N"},
+                    {"sigma", number(kind.stated * kind.factor)},
+                    {"sigma_source", words}});
+  }
+  return list;
+}
+
+json captures_json(const diagnosis::SheetDiagnosis& d, const SheetFindings& found) {
+  json list = json::array();
+  for (const SheetInput& input : found.inputs) {
+    const diagnosis::SheetScore* score = score_of(d, input.id);
+    std::string noise_words;
+    const json channels = channels_json(d, input.id, noise_words);
+    int blocks = 0;
+    for (const auto& frame : input.sequence().frames) blocks = std::max(blocks, frame.block + 1);
+    const auto figure = [&](double diagnosis::Score::*part, bool after, bool held_out) {
+      if (score == nullptr || score->held_out != held_out) return json(nullptr);
+      return number((after ? score->after : score->before).*part);
+    };
+    list.push_back({{"id", input.id},
+                    {"title", input.capture.title},
+                    {"synthetic", input.capture.provenance.synthetic},
+                    {"specimen", input.capture.specimen.name},
+                    {"material", input.capture.specimen.material},
+                    {"licence", input.capture.provenance.licence},
+                    {"source", input.capture.provenance.source},
+                    {"held_out", input.held_out},
+                    {"frames", input.sequence().frames.size()},
+                    {"blocks", blocks},
+                    {"points", input.captured.use.points},
+                    {"notes", json::array({estimation::in_words(input.captured.use)})},
+                    {"noise_floor", score ? number(score->noise_floor) : json(nullptr)},
+                    {"noise_source", noise_words},
+                    {"error_before", figure(&diagnosis::Score::error, false, false)},
+                    {"error_after", figure(&diagnosis::Score::error, true, false)},
+                    {"held_out_before", figure(&diagnosis::Score::error, false, true)},
+                    {"held_out_after", figure(&diagnosis::Score::error, true, true)},
+                    {"points_before_m", score ? number(score->points_before_m) : json(nullptr)},
+                    {"points_after_m", score ? number(score->points_after_m) : json(nullptr)},
+                    {"channels", channels}});
+  }
+  return list;
+}
+
+json structure_json(const diagnosis::SheetDiagnosis& d,
+                    const std::vector<diagnosis::Structure>& structure) {
+  json list = json::array();
+  for (const diagnosis::Structure& s : structure) {
+    if (s.rows == 0) continue;
+    list.push_back({{"capture", d.data.ids[static_cast<std::size_t>(s.sequence)]},
+                    {"kind", kind_word(s.kind)},
+                    {"rows", s.rows},
+                    {"independent", number(s.independent)},
+                    {"chi2", number(s.chi2)},
+                    {"in_time", number(s.in_time)},
+                    {"neighbours", number(s.neighbours)},
+                    {"fixed_to_material", number(s.fixed)},
+                    {"at_free_edges", number(s.at_edges)},
+                    {"with_place_in_space", number(s.with_place)}});
+  }
+  return list;
+}
+
+}  // namespace
+
+json sheet_diagnosis_document(const diagnosis::SheetDiagnosis& d, const SheetFindings& found) {
+  const estimation::FitResult& fit = d.extended.at.fit;
+  return {{"schema", "tenter.result"},
+          {"version", 1},
+          {"kind", "diagnose"},
+          {"verdicts", verdicts_json(d.verdicts)},
+          {"noise_floor", number(d.noise_floor)},
+          {"error_before", number(d.before.error)},
+          {"error_after", number(d.after.error)},
+          {"r2_before", number(d.before.r2)},
+          {"r2_after", number(d.after.r2)},
+          {"held_out_before", error_of(d.held_out_before)},
+          {"held_out_after", error_of(d.held_out_after)},
+          {"held_out_r2_before", r2_of(d.held_out_before)},
+          {"held_out_r2_after", r2_of(d.held_out_after)},
+          {"held_out_kind", d.held_out_kind.empty() ? json(nullptr) : json(d.held_out_kind)},
+          {"unexplained_share", number(d.unexplained_share)},
+          {"baseline_model", json::parse(model::write_model(d.baseline.at.model))},
+          {"model", json::parse(model::write_model(d.extended.at.model))},
+          {"captures", captures_json(d, found)},
+          {"screen", screen_json(d.first_screen)},
+          {"path", path_json(d.path)},
+          {"parameters", model_parameters_json(d.extended.at.model, fit.states)},
+          {"checklist", checklist_json(d.checklist)},
+          {"figures", sheet_figures(found)},
+          {"meshes", sheet_meshes(found)},
+          {"structure",
+           {{"before", structure_json(d, d.structure)},
+            {"after", structure_json(d, d.structure_left)}}},
+          {"fit",
+           {{"cost", number(fit.chi2)},
+            {"iterations", fit.iterations},
+            {"status", fit.converged ? "converged" : "not converged"},
+            {"message", fit.message}}}};
+}
+
+}  // namespace tenter::jobs

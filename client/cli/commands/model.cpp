@@ -200,7 +200,7 @@ Expected<void> import_model(const Context& context, const Conversion& wanted) {
   return deliver(context, wanted, model::write_model(read->model), read->losses);
 }
 
-void add_export(CLI::App& group, Context& context) {
+void add_model_export(CLI::App& group, Context& context) {
   CLI::App* command = group.add_subcommand("export", "write a model as other programs read it");
   command->footer(
       "csv: curves of stress and stiffness with their bands, one row a sample. json: the same with "
@@ -227,7 +227,7 @@ void add_export(CLI::App& group, Context& context) {
   });
 }
 
-void add_import(CLI::App& group, Context& context) {
+void add_model_import(CLI::App& group, Context& context) {
   CLI::App* command = group.add_subcommand("import", "make a model document of another format");
   command->footer(
       "The document goes to standard output, what the model cannot say to standard error.\n"
@@ -280,8 +280,8 @@ void add_model(CLI::App& app, Context& context) {
     context.command = [&context, files] { return validate_models(context, *files); };
   });
 
-  add_export(*group, context);
-  add_import(*group, context);
+  add_model_export(*group, context);
+  add_model_import(*group, context);
 }
 
 }  // namespace tenter::cli

@@ -72,6 +72,34 @@ Expected<model::Model> started(const SheetRequest& request, const Control& contr
   return model;
 }
 
+/// What the baseline says of the captures that are held out; frames that have no rest with it are
+/// left out by name, and a capture of which none has one is said to tell nothing.
+Expected<void> foretell_held_out(const FieldFitOptions& options, SheetDiagnosis& d) {
+  if (d.held_out.sequences.empty()) return {};
+  const model::Model& model = d.baseline.at.model;
+  FieldStates rests;
+  for (estimation::Sequence& sequence : d.held_out.sequences) {
+    auto rest = estimation::resting_frames(model, sequence, estimation::parameter_values(model),
+                                           options.tolerance_N);
+    if (!rest)
+      return fail(rest.error().kind, "the captures that are held out: " + rest.error().message);
+    if (rest->resting.empty())
+      return bad_input("\"" + sequence.name + "\", which is held out, has no rest in any frame (" +
+                       rest->restless.front().reason + ")");
+    for (const estimation::RestlessFrame& frame : rest->restless)
+      d.dropped.push_back(sequence.name + ", frame " + std::to_string(frame.frame + 1) + ": " +
+                          frame.reason);
+    estimation::keep_frames(sequence, rest->resting);
+    rests.push_back(std::move(rest->states));
+  }
+  auto foretold = predict_field(model, d.held_out, rests, options);
+  if (!foretold)
+    return fail(foretold.error().kind,
+                "the captures that are held out: " + foretold.error().message);
+  d.held_out_baseline = std::move(*foretold);
+  return {};
+}
+
 }  // namespace
 
 FieldFitOptions field_options(const Control& control) {
@@ -111,13 +139,7 @@ Expected<SheetDiagnosis> prepare_sheets(const SheetRequest& request, const Contr
   auto excitation = examine_sheets(d.data, d.baseline.states);
   if (!excitation) return tl::unexpected(excitation.error());
   d.excitation = std::move(*excitation);
-  if (!d.held_out.sequences.empty()) {
-    auto foretold = predict_field(d.baseline.at.model, d.held_out, {}, options);
-    if (!foretold)
-      return fail(foretold.error().kind,
-                  "the captures that are held out: " + foretold.error().message);
-    d.held_out_baseline = std::move(*foretold);
-  }
+  if (auto ok = foretell_held_out(options, d); !ok) return tl::unexpected(ok.error());
   return d;
 }
 

@@ -15,6 +15,11 @@
 
 namespace tenter::mechanics {
 
+/// Of a node among coordinates of 3 numbers a node.
+inline Eigen::Vector3d place_of(const Eigen::VectorXd& x, int node) {
+  return x.segment<3>(3 * static_cast<Eigen::Index>(node));
+}
+
 struct Box {
   Eigen::Vector3d low, high;
 

@@ -11,10 +11,6 @@
 namespace tenter::mechanics {
 namespace {
 
-Eigen::Vector3d at(const Eigen::VectorXd& x, int node) {
-  return x.segment<3>(3 * static_cast<Eigen::Index>(node));
-}
-
 /// Six times the volume of a tetrahedron: its sign is the side of the plane of a, b, c that d is
 /// on.
 double volume(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
@@ -36,9 +32,9 @@ int crossings(const SurfaceMesh& mesh, const Eigen::VectorXd& x) {
   std::vector<Box> boxes;
   int first_layer = mesh.triangle_layer.empty() ? 0 : mesh.triangle_layer.front();
   for (const auto& t : mesh.triangles) {
-    Box box{at(x, t[0]), at(x, t[0])};
-    box.hold(at(x, t[1]));
-    box.hold(at(x, t[2]));
+    Box box{place_of(x, t[0]), place_of(x, t[0])};
+    box.hold(place_of(x, t[1]));
+    box.hold(place_of(x, t[2]));
     boxes.push_back(box);
   }
   for (const int layer : mesh.triangle_layer) first_layer = std::min(first_layer, layer);
@@ -47,13 +43,13 @@ int crossings(const SurfaceMesh& mesh, const Eigen::VectorXd& x) {
   int count = 0;
   for (const Edge& edge : edges(mesh)) {
     if (edge.layer != first_layer) continue;
-    const Eigen::Vector3d p = at(x, edge.low), q = at(x, edge.high);
+    const Eigen::Vector3d p = place_of(x, edge.low), q = place_of(x, edge.high);
     grid.near(p.cwiseMin(q), p.cwiseMax(q), [&](int k) {
       const auto& t = mesh.triangles[static_cast<std::size_t>(k)];
       for (const int node : t)
         if (node == edge.low || node == edge.high) return;
       if (mesh.layer(k) != first_layer) return;
-      count += pierces(p, q, at(x, t[0]), at(x, t[1]), at(x, t[2]));
+      count += pierces(p, q, place_of(x, t[0]), place_of(x, t[1]), place_of(x, t[2]));
     });
   }
   return count;

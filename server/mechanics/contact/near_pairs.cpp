@@ -8,17 +8,13 @@
 namespace tenter::mechanics {
 namespace {
 
-Eigen::Vector3d at(const Eigen::VectorXd& x, int node) {
-  return x.segment<3>(3 * static_cast<Eigen::Index>(node));
-}
-
 template <class Nodes>
 Box box_around(const Eigen::VectorXd& from, const Eigen::VectorXd& to, const Nodes& nodes) {
-  const Eigen::Vector3d first = at(from, nodes[0]);
+  const Eigen::Vector3d first = place_of(from, nodes[0]);
   Box box{first, first};
   for (const int node : nodes) {
-    box.hold(at(from, node));
-    box.hold(at(to, node));
+    box.hold(place_of(from, node));
+    box.hold(place_of(to, node));
   }
   return box;
 }
@@ -28,7 +24,7 @@ Box box_around(const Eigen::VectorXd& from, const Eigen::VectorXd& to, const Nod
 FourPoints pair_points(const Eigen::VectorXd& x, const ContactPair& pair) {
   FourPoints result;
   for (Eigen::Index c = 0; c < 4; ++c)
-    result.col(c) = at(x, pair.nodes[static_cast<std::size_t>(c)]);
+    result.col(c) = place_of(x, pair.nodes[static_cast<std::size_t>(c)]);
   return result;
 }
 

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <variant>
 
+#include "common/base/not_a_number.h"
 #include "server/diagnosis/field/data/structure.h"
 
 namespace tenter::diagnosis {
@@ -16,7 +16,6 @@ using estimation::ObservationKind;
 using estimation::Row;
 using estimation::Sequence;
 
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr int kFewest = 20;       // differences that a spread is taken of
 constexpr double kAgrees = 1.25;  // a factor within which the stated value stays
 
@@ -26,7 +25,7 @@ using Table = std::vector<std::vector<double>>;
 Table table_of(const Sequence& sequence, int index, int channels, const std::vector<Row>& rows,
                const Eigen::VectorXd& residuals) {
   Table table(static_cast<std::size_t>(channels),
-              std::vector<double>(sequence.frames.size(), kMissing));
+              std::vector<double>(sequence.frames.size(), kNaN));
   for (std::size_t r = 0; r < rows.size(); ++r)
     if (rows[r].curve == index)
       table[static_cast<std::size_t>(rows[r].channel)][static_cast<std::size_t>(rows[r].frame)] =
@@ -36,7 +35,7 @@ Table table_of(const Sequence& sequence, int index, int channels, const std::vec
 
 /// What a frame's neighbours in its block do not foretell.
 std::vector<double> without_neighbours(const Sequence& sequence, const std::vector<double>& r) {
-  std::vector<double> left(r.size(), kMissing);
+  std::vector<double> left(r.size(), kNaN);
   for (std::size_t f = 1; f + 1 < r.size(); ++f)
     if (sequence.frames[f - 1].block == sequence.frames[f].block &&
         sequence.frames[f + 1].block == sequence.frames[f].block)
@@ -79,7 +78,7 @@ void take_away_places(const Sequence& sequence, Table& table) {
           n += 1.0;
         }
         double& value = table[3 * p + c][f];
-        value = n >= 3.0 ? (value - sum / n) / std::sqrt(1.0 + 1.0 / n) : kMissing;
+        value = n >= 3.0 ? (value - sum / n) / std::sqrt(1.0 + 1.0 / n) : kNaN;
       }
 }
 

@@ -4,7 +4,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "common/base/not_a_number.h"
 
 namespace tenter::diagnosis {
 namespace {
@@ -13,7 +14,6 @@ using estimation::ObservationKind;
 using estimation::Row;
 using estimation::Sequence;
 
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr int kReferences = 150;  // points whose rings of neighbours are looked at
 
 /// Residuals of one kind of one sequence, a row a channel and a column a frame; NaN where missing.
@@ -61,7 +61,7 @@ std::vector<Field> fields_of(const std::vector<Sequence>& sequences, const std::
     field.values.setConstant(static_cast<Eigen::Index>(field.channels.size()),
                              static_cast<Eigen::Index>(
                                  sequences[static_cast<std::size_t>(field.sequence)].frames.size()),
-                             kMissing);
+                             kNaN);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const auto s = static_cast<std::size_t>(rows[r].curve);
     const auto c = static_cast<std::size_t>(rows[r].channel);

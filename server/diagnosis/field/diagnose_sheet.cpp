@@ -14,6 +14,7 @@
 #include "server/diagnosis/model_edit.h"
 #include "server/diagnosis/screening/score_test.h"
 #include "server/diagnosis/screening/shortlist.h"
+#include "server/diagnosis/standing.h"
 #include "server/estimation/parallel.h"
 
 namespace tenter::diagnosis {
@@ -45,6 +46,12 @@ PathStep step_of(const std::string& action, const std::string& effect, const std
   step.parameters = free_count(at.at.model);
   step.information = information(at.at.fit.chi2, step.parameters, 0, at.at.fit.effective_rows);
   return step;
+}
+
+std::string standing_of(const Screen& found, const Chain& chain) {
+  std::vector<std::string> added;
+  for (const FieldFinding& finding : chain.accepted) added.push_back(finding.trial.effect->id);
+  return standing(found, added, score_of_forces(chain.d.data, chain.current).error);
 }
 
 void take(Chain& chain, const FieldTrial& trial) {
@@ -127,14 +134,15 @@ Expected<void> go_forward(Chain& chain) {
                           chain.current.at.fit.chi2, fraction});
     const auto found = screen_field(
         chain.current, d.data, d.excitation,
-        {asked.null_twins, asked.seed + 1000ULL * static_cast<unsigned long long>(round), true},
+        {asked.null_twins, asked.seed + 1000ULL * static_cast<unsigned long long>(round), true,
+         asked.effects},
         chain.control.threads);
     if (!found) return tl::unexpected(found.error());
     if (round == 0) d.first_screen = *found;
     const std::vector<Candidate> candidates = worth_a_refit(*found, chain.current.at.fit);
     if (candidates.empty() || chain.stopped()) return {};
-    chain.control.report({"refit", candidates.front().effect->id, round, chain.current.at.fit.chi2,
-                          fraction + 0.03});
+    chain.control.report(
+        {"refit", standing_of(*found, chain), round, chain.current.at.fit.chi2, fraction + 0.03});
     std::vector<FieldTrial> trials = refit_all(candidates, chain);
     std::size_t chosen = trials.size();
     for (std::size_t i = 0; i < trials.size() && chosen == trials.size(); ++i) {
@@ -226,8 +234,9 @@ void drop_stand_ins(Chain& chain) {
 }
 
 Expected<void> look_again(Chain& chain) {
+  const Options& asked = chain.request.options;
   auto found = screen_field(chain.current, chain.d.data, chain.d.excitation,
-                            {chain.request.options.null_twins, chain.request.options.seed + 99},
+                            {asked.null_twins, asked.seed + 99, false, asked.effects},
                             chain.control.threads);
   if (!found) return tl::unexpected(found.error());
   chain.d.last_screen = std::move(*found);

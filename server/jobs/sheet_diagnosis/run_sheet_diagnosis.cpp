@@ -74,6 +74,10 @@ Expected<void> run_sheet_diagnosis(const JobInput& input, const json& spec,
                                    std::vector<std::pair<std::string, capture::Capture>> captures,
                                    const std::function<void(const JobProgress&)>& report,
                                    const std::stop_token& stop) {
+  for (const char* limit : {"rig_strain", "rig_N_m", "rig_rate_per_s", "rig_seconds"})
+    if (spec.contains("options") && spec["options"].contains(limit))
+      return bad_input(std::string("options.") + limit +
+                       ": the next capture of a sheet is proposed in words, which know no limits");
   SheetFindings found;
   auto start = model::parse_model(spec.at("model").dump(), "model");
   if (!start) return tl::unexpected(start.error());
@@ -110,7 +114,10 @@ Expected<void> run_sheet_diagnosis(const JobInput& input, const json& spec,
   found.after = std::move(*after);
 
   report({"write", "", 0, 0.0, 0.98});
-  const std::string text = sheet_diagnosis_document(*diagnosis, found).dump(1) + "\n";
+  json document = sheet_diagnosis_document(*diagnosis, found);
+  if (spec.contains("options") && spec["options"].contains("continues"))
+    document["continues"] = spec["options"]["continues"];
+  const std::string text = document.dump(1) + "\n";
   if (auto written =
           write_atomically((input.staging / "result.json").string(), text.data(), text.size());
       !written)

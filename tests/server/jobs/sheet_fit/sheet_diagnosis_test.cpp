@@ -98,12 +98,34 @@ TEST_F(SheetDiagnosisJob, NamesTheCauseAndShowsIt) {
     EXPECT_NE(page->find(part), std::string::npos) << part;
 }
 
+TEST_F(SheetDiagnosisJob, TriesNoOthersThanAskedFor) {
+  spec_["options"]["effects"] = json::array({"poisson_coupling"});
+  spec_["options"]["continues"] = {{"job", "7"}, {"said", json::array()}};
+  const auto done = run("job");
+  ASSERT_TRUE(done) << done.error().message;
+  const json found = result("job");
+  for (const json& verdict : found["verdicts"])
+    EXPECT_NE(verdict["effect"], "nonlinear_stiffness") << verdict.dump(1);
+  bool is_said = false;
+  for (const json& row : found["screen"])
+    is_said |= row["effect"] == "nonlinear_stiffness" && row["status"] == "not asked for";
+  EXPECT_TRUE(is_said) << found["screen"].dump(1);
+  EXPECT_EQ(found["continues"]["job"], "7");
+}
+
 TEST_F(SheetDiagnosisJob, RefusesWhatItDoesNotKnow) {
   spec_["options"]["resolutoin"] = 9;
   const auto done = run("job");
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().message.find("options.resolutoin: no such option"), std::string::npos)
       << done.error().message;
+  spec_["options"].erase("resolutoin");
+  spec_["options"]["rig_strain"] = 0.05;
+  const auto limited = run("job");
+  ASSERT_FALSE(limited);
+  EXPECT_NE(limited.error().message.find("options.rig_strain: the next capture of a sheet"),
+            std::string::npos)
+      << limited.error().message;
 }
 
 }  // namespace

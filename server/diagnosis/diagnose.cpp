@@ -108,6 +108,7 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
     const std::vector<Candidate> candidates = shortlist(found, current.fit, 5);
     if (candidates.empty() || control.stop.stop_requested()) break;
     std::vector<std::string> added;
+    added.reserve(accepted.size());
     for (const Accepted& entry : accepted) added.push_back(entry.trial.effect->id);
     const double error = score_of(*d.data, d.data->rows(), current.fit.residuals, -1).error;
     control.report(

@@ -57,9 +57,10 @@ Effect clip_slip() {
       variant.words = "clip of force " + force.name + " in " + force.capture;
       model::SensorCorrection slip =
           new_sheet_correction(model, "clip_slip", force.name, force.capture);
-      for (int k = 1; k < kPlaces; ++k)
-        variant.grid.push_back(
-            {{slip.id + ".at_frame", static_cast<double>(force.frames * k / kPlaces)}});
+      for (int k = 1; k < kPlaces; ++k) {
+        const int at_frame = force.frames * k / kPlaces;
+        variant.grid.push_back({{slip.id + ".at_frame", static_cast<double>(at_frame)}});
+      }
       for (int at = 3; at + 3 < force.frames; ++at)
         variant.finer.push_back({{slip.id + ".at_frame", static_cast<double>(at)}});
       variant.corrections.push_back(std::move(slip));

@@ -50,6 +50,7 @@ PathStep step_of(const std::string& action, const std::string& effect, const std
 
 std::string standing_of(const Screen& found, const Chain& chain) {
   std::vector<std::string> added;
+  added.reserve(chain.accepted.size());
   for (const FieldFinding& finding : chain.accepted) added.push_back(finding.trial.effect->id);
   return standing(found, added, score_of_forces(chain.d.data, chain.current).error);
 }

@@ -83,6 +83,7 @@ Expected<void> run_sheet_diagnosis(const JobInput& input, const json& spec,
   if (!start) return tl::unexpected(start.error());
   found.start = std::move(*start);
   std::vector<std::string> ids;
+  ids.reserve(captures.size());
   for (const auto& [id, capture] : captures) ids.push_back(id);
   auto read = read_sheet_options(sheet_part(spec.value("options", json::object())), ids);
   if (!read) return tl::unexpected(read.error());

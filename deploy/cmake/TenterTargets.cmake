@@ -9,10 +9,12 @@ add_library(tenter_options INTERFACE)
 target_include_directories(tenter_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(tenter_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Werror
-  -Wno-restrict)  # g++ 12 sees overlaps that are not there in std::string at -O3 (GCC bug 105651)
+  # g++ 12 sees overlaps that are not there in std::string at -O3 (GCC bug 105651)
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 if(TENTER_SANITIZE)
   target_compile_options(tenter_options INTERFACE -fsanitize=${TENTER_SANITIZE} -fno-omit-frame-pointer
-    -Wno-maybe-uninitialized)  # g++ says so of std::regex and others when it instruments them
+    # g++ says so of std::regex and others when it instruments them
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   if(TENTER_SANITIZE MATCHES undefined)
     # Checks at every access through a pointer double the time of the build; a null or a wild pointer is found by the
     # address sanitizer or by the processor all the same.

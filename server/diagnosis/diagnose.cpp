@@ -14,6 +14,7 @@
 #include "server/diagnosis/exchange.h"
 #include "server/diagnosis/gain.h"
 #include "server/diagnosis/model_edit.h"
+#include "server/diagnosis/path.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/score.h"
 #include "server/diagnosis/screening/shortlist.h"
@@ -45,15 +46,8 @@ double criterion(const Trial& trial, int added_effects, double rows) {
 
 PathStep step_of(const std::string& action, const std::string& effect, const std::string& why,
                  const Reference& at, const Diagnosis& d) {
-  PathStep step;
-  step.action = action;
-  step.effect = effect;
-  step.why = why;
-  step.chi2 = at.fit.chi2;
-  step.error = score_of(*d.data, d.data->rows(), at.fit.residuals, -1).error;
-  step.parameters = free_count(at.model);
-  step.information = information(at.fit.chi2, step.parameters, 0, at.fit.effective_rows);
-  return step;
+  return path_step(action, effect, why, at,
+                   score_of(*d.data, d.data->rows(), at.fit.residuals, -1).error);
 }
 
 /// Refits the short list and judges it, best first, until one passes every gate. Trials keep the
@@ -179,13 +173,7 @@ void go_backward(Diagnosis& d, Reference& current, std::vector<Accepted>& accept
   if (accepted.size() < 2) return;
   drop_where(d, current, accepted,
              [](const std::string&, const Reference& reduced, const Reference& whole) {
-               const double rows = std::max(whole.fit.effective_rows, reduced.fit.effective_rows);
-               const int added = std::max(1, free_count(whole.model) - free_count(reduced.model));
-               const double p =
-                   f_test(reduced.fit.chi2, whole.fit.chi2, added, free_count(whole.model), rows);
-               return p >= 1e-3
-                          ? "what was added later made it needless (p = " + std::to_string(p) + ")"
-                          : std::string();
+               return made_needless(reduced, whole);
              });
 }
 
@@ -223,10 +211,8 @@ void exchange(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
 /// missed when it came in is a stand-in for something that the catalogue lacks: it gets no name.
 void drop_stand_ins(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted) {
   if (!lacks_fit_still(d)) return;
-  // more is asked of a name where more stays unexplained
   const double missed = d.baseline.fit.chi2 - noise_chi2(d);
   const double unexplained = missed > 0.0 ? (d.extended.fit.chi2 - noise_chi2(d)) / missed : 0.0;
-  const double least_share = unexplained > 0.25 ? 0.5 : 0.35;
   std::map<std::string, double> best;
   for (const Accepted& entry : accepted) {
     double& share = best[entry.trial.effect->id];
@@ -234,9 +220,7 @@ void drop_stand_ins(Diagnosis& d, Reference& current, std::vector<Accepted>& acc
         std::max(share, explained_share(entry.before_chi2, entry.trial.fit.chi2, noise_chi2(d)));
   }
   drop_where(d, current, accepted, [&](const std::string& id, const Reference&, const Reference&) {
-    return best[id] < least_share
-               ? "it explains little of what is missed, and much stays unexplained: a stand-in"
-               : std::string();
+    return stands_in(best[id], unexplained);
   });
 }
 

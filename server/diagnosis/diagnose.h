@@ -34,23 +34,13 @@ struct CaptureScore {
   double noise_floor = 0.0;
 };
 
-struct Diagnosis {
+struct Diagnosis : Findings {
   std::vector<estimation::Curves> curves;  ///< as measured, every frame
   DataPointer data;                        ///< as fitted: thinned, outliers left out
   estimation::Noise noise;
   std::vector<estimation::Outlier> outliers;
   Reference baseline;
   Reference extended;
-  Screen first_screen;
-  Screen last_screen;  ///< of the extended model
-  std::vector<Verdict> verdicts;
-  std::vector<PathStep> path;
-  std::vector<Check> checklist;
-  Score before, after;
-  std::optional<Score> held_out_before, held_out_after;
-  std::string held_out_kind;
-  double noise_floor = 0.0;
-  double unexplained_share = 0.0;
   std::vector<CaptureScore> captures;
 };
 

@@ -51,27 +51,18 @@ Eigen::MatrixXd added_space(const FitResult& without, const FitResult& with) {
   return range_of(columns, kNew);
 }
 
-/// Sizes of differences over some of the rows.
-class Share {
- public:
-  Share(const DataSet& data, const std::vector<Row>& rows, const std::vector<std::size_t>& used)
-      : scale_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rows.size()))) {
-    double power = 0.0;
-    for (const std::size_t r : used) {
-      power += std::pow(measured_from_rest(data, rows[r]), 2);
-      scale_[static_cast<Eigen::Index>(r)] = data.sigma_of(rows[r]);
-    }
-    if (power > 0.0) scale_ /= std::sqrt(power);
+/// Scale of rows that curves measured: readings from rest, in units of the channel.
+Eigen::VectorXd share_of(const DataSet& data, const std::vector<Row>& rows,
+                         const std::vector<std::size_t>& used) {
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rows.size()));
+  double power = 0.0;
+  for (const std::size_t r : used) {
+    power += std::pow(measured_from_rest(data, rows[r]), 2);
+    scale[static_cast<Eigen::Index>(r)] = data.sigma_of(rows[r]);
   }
-
-  /// Squared, of whitened rows.
-  double of(const Eigen::VectorXd& difference) const {
-    return scale_.cwiseProduct(difference).squaredNorm();
-  }
-
- private:
-  Eigen::VectorXd scale_;
-};
+  if (power > 0.0) scale /= std::sqrt(power);
+  return scale;
+}
 
 /// How much wider 95 % of Student's t are than of a normal, to a hundredth from four blocks on: the
 /// errors' own size is known from so many blocks only.
@@ -80,9 +71,12 @@ double widening(int blocks) {
   return 1.0 + 1.36 / freedom + 1.0 / (freedom * freedom);
 }
 
-SizeInterval size_over(const Share& share, const Eigen::VectorXd& apart,
+SizeInterval size_over(const Eigen::VectorXd& scale, const Eigen::VectorXd& apart,
                        const Eigen::MatrixXd& space, const Eigen::VectorXd& errors,
                        const std::vector<Row>& rows, int blocks, unsigned long long seed) {
+  const auto square_of = [&](const Eigen::VectorXd& difference) {
+    return scale.cwiseProduct(difference).squaredNorm();
+  };
   std::mt19937_64 engine(seed);
   std::vector<double> sign(static_cast<std::size_t>(blocks));
   std::vector<double> moved;
@@ -94,17 +88,17 @@ SizeInterval size_over(const Share& share, const Eigen::VectorXd& apart,
       flipped[static_cast<Eigen::Index>(r)] =
           sign[static_cast<std::size_t>(rows[r].block)] * errors[static_cast<Eigen::Index>(r)];
     const Eigen::VectorXd shift = space * (space.transpose() * flipped);
-    inflation += share.of(shift) / kResamples;
-    moved.push_back(share.of(apart + shift));
+    inflation += square_of(shift) / kResamples;
+    moved.push_back(square_of(apart + shift));
   }
   const auto without_noise = [&](double square) {
     return std::sqrt(std::max(0.0, square - inflation));
   };
   for (double& square : moved) square = without_noise(square);
   std::sort(moved.begin(), moved.end());
-  const double truth = std::sqrt(share.of(apart));  // in the world of the resamples
+  const double truth = std::sqrt(square_of(apart));  // in the world of the resamples
   SizeInterval result;
-  result.size = without_noise(share.of(apart));
+  result.size = without_noise(square_of(apart));
   const double wider = widening(blocks);
   const double above = moved[kResamples - 1 - kResamples / 40] - truth;
   const double below = truth - moved[kResamples / 40];
@@ -117,25 +111,27 @@ SizeInterval size_over(const Share& share, const Eigen::VectorXd& apart,
 
 }  // namespace
 
-SizeInterval effect_size(const DataSet& data, const FitResult& without, const FitResult& with,
+SizeInterval effect_size(const std::vector<Row>& rows, int blocks, const SizeScale& scale,
+                         const FitResult& without, const FitResult& with,
                          unsigned long long seed) {
   constexpr double kNothing = 2e-3;
-  const std::vector<Row> rows = data.rows();
   const Eigen::VectorXd apart = with.residuals - without.residuals;
   const Eigen::MatrixXd space = added_space(without, with);
   // what a parameter takes from the errors, where those of a block go together
-  const double blocks = data.block_count();
   const Eigen::VectorXd errors = with.residuals * std::sqrt(blocks / std::max(1.0, blocks - 1.0));
-  const auto over = [&](const std::vector<std::size_t>& used) {
-    return size_over(Share(data, rows, used), apart, space, errors, rows, data.block_count(), seed);
-  };
-  SizeInterval of_force = over(scored_rows(data, rows, -1));
-  if (of_force.size >= kNothing) return of_force;
-  const std::vector<std::size_t> stretches = stretch_rows(data, rows);
-  if (stretches.empty()) return of_force;
-  SizeInterval of_stretch = over(stretches);
-  of_stretch.of_force = false;
-  return of_stretch.size > of_force.size ? of_stretch : of_force;
+  const SizeInterval of_force = size_over(scale.force, apart, space, errors, rows, blocks, seed);
+  if (of_force.size >= kNothing || scale.motion.isZero(0.0)) return of_force;
+  SizeInterval of_motion = size_over(scale.motion, apart, space, errors, rows, blocks, seed);
+  of_motion.of_force = false;
+  return of_motion.size > of_force.size ? of_motion : of_force;
+}
+
+SizeInterval effect_size(const DataSet& data, const FitResult& without, const FitResult& with,
+                         unsigned long long seed) {
+  const std::vector<Row> rows = data.rows();
+  const SizeScale scale = {share_of(data, rows, scored_rows(data, rows, -1)),
+                           share_of(data, rows, stretch_rows(data, rows))};
+  return effect_size(rows, data.block_count(), scale, without, with, seed);
 }
 
 }  // namespace tenter::diagnosis

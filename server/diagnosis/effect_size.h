@@ -2,7 +2,7 @@
 // How much of the force does an effect account for? What lies between the prediction with it and
 // the one without, both fitted, rms over the rms of the measured force.
 //
-//   D = r_with - r_without            size = |D| / |measured|, over the stress rows, in N/m
+//   D = r_with - r_without            size = |D| / |measured|, over the rows of forces
 //
 // Noise moves D only in the space Q that the effect adds to the model's own columns:
 //
@@ -13,16 +13,30 @@
 // together (design, step 3).
 #pragma once
 
+#include <vector>
+
 #include "server/estimation/fit.h"
 
 namespace tenter::diagnosis {
 
 struct SizeInterval {
-  bool of_force = true;  ///< else of the free stretches: the effect leaves the force alone
+  bool of_force = true;  ///< else of the motion: the effect leaves the force alone
   double size = 0.0;
   double lo = 0.0;
   double hi = 0.0;
 };
+
+/// What a whitened row's residual of one is as a share of all that was measured of its kind; zero on
+/// rows of other kinds.
+struct SizeScale {
+  Eigen::VectorXd force;
+  Eigen::VectorXd motion;  ///< free stretches, positions; all zero where none was measured
+};
+
+/// Of two fits to the same rows, the larger model's Jacobian and states known.
+SizeInterval effect_size(const std::vector<estimation::Row>& rows, int blocks,
+                         const SizeScale& scale, const estimation::FitResult& without,
+                         const estimation::FitResult& with, unsigned long long seed);
 
 /// Both fits to the same data. Interval and size are equal where `with` adds no column of its own.
 SizeInterval effect_size(const estimation::DataSet& data, const estimation::FitResult& without,

@@ -12,6 +12,7 @@
 
 #include "server/diagnosis/effect.h"
 #include "server/diagnosis/next/proposal.h"
+#include "server/diagnosis/screening/candidate.h"
 
 namespace tenter::diagnosis {
 
@@ -89,6 +90,20 @@ struct Check {
   std::string level;  ///< "OK", "WARNING", "ERROR"
   std::string what;
   std::string why;
+};
+
+/// What a diagnosis says, whatever was captured.
+struct Findings {
+  Screen first_screen;
+  Screen last_screen;  ///< of the extended model
+  std::vector<Verdict> verdicts;
+  std::vector<PathStep> path;
+  std::vector<Check> checklist;
+  Score before, after;
+  std::optional<Score> held_out_before, held_out_after;
+  std::string held_out_kind;  ///< "" where nothing could be left out
+  double noise_floor = 0.0;
+  double unexplained_share = 0.0;
 };
 
 }  // namespace tenter::diagnosis

@@ -11,16 +11,10 @@
 #include "server/diagnosis/model_edit.h"
 #include "server/diagnosis/next/design.h"
 #include "server/diagnosis/prepare.h"
-#include "server/diagnosis/score.h"
+#include "server/diagnosis/verdict_words.h"
 
 namespace tenter::diagnosis {
 namespace {
-
-std::string percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, share < 0.0995 ? "%.1f %%" : "%.0f %%", 100.0 * share);
-  return text;
-}
 
 /// The extended model with another effect in the place of one that was found.
 struct Swapped {
@@ -31,30 +25,20 @@ struct Swapped {
 
 std::vector<Swapped> swapped_rivals(const Diagnosis& d, const std::string& effect,
                                     const std::vector<Trial>& rivals) {
-  constexpr double kDecisive = 10.0;
   std::vector<Swapped> all;
   std::set<std::string> tried;
   for (const Trial& rival : rivals) {
     if (tried.contains(rival.effect->id) || rival.effect->id == effect) continue;
-    // friction that grows with strain contains constant friction: that it does as well says nothing
-    // against the simpler
-    if (effect == "internal_friction" && rival.effect->id == "strain_dependent_friction") continue;
+    if (contains(rival.effect->id, effect)) continue;
     if (holds(d.extended.model, rival.effect->id)) continue;
     auto swapped = make_reference(
         with_rival(without(d.extended.model, effect, d.baseline.model), rival), d.data, {});
     if (!swapped) continue;
-    const double rows = std::max(swapped->fit.effective_rows, d.extended.fit.effective_rows);
-    const double evidence = information(swapped->fit.chi2, free_count(swapped->model), 0, rows) -
-                            information(d.extended.fit.chi2, free_count(d.extended.model), 0, rows);
+    const bool is_equal = evidence_against(*swapped, d.extended) < kDecisive;
     tried.insert(rival.effect->id);
-    all.push_back({rival.effect->id, std::move(*swapped), evidence < kDecisive});
+    all.push_back({rival.effect->id, std::move(*swapped), is_equal});
   }
   return all;
-}
-
-bool is_rate_question(const std::string& effect) {
-  return effect == "internal_friction" || effect == "strain_dependent_friction" ||
-         effect == "viscosity";
 }
 
 /// What to capture next: the pull that splits the effect from its alternatives, where one does;
@@ -88,72 +72,27 @@ void propose_next(const Diagnosis& d, const Effect& effect, const std::vector<Sw
         {design.plan.steps[i].is_hold ? "hold" : "ramp", words_of(design.plan)[i]});
 }
 
-std::string list_words(const std::vector<std::string>& ids) {
-  std::string words;
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (i > 0) words += i + 1 == ids.size() ? " or " : ", ";
-    words += find_effect(ids[i]) ? find_effect(ids[i])->words : ids[i];
-  }
-  return words;
-}
-
 Verdict verdict_for(const Diagnosis& d, const std::string& id,
                     const std::vector<const Finding*>& findings, const Excitation& excitation,
                     const Options& options) {
   const Effect& effect = *find_effect(id);
   Verdict verdict;
-  verdict.effect = id;
-  verdict.p_value = findings.front()->trial.p_value;
-
-  auto reduced = make_reference(without(d.extended.model, id, d.baseline.model), d.data, {});
-  const SizeInterval size =
-      effect_size(*d.data, reduced ? reduced->fit : d.baseline.fit, d.extended.fit, options.seed);
-  verdict.size = size.size;
-  verdict.size_lo = size.lo;
-  verdict.size_hi = size.hi;
-
+  std::vector<const Trial*> trials;
   std::vector<Trial> rivals;
-  for (const Finding* f : findings) rivals.insert(rivals.end(), f->rivals.begin(), f->rivals.end());
+  for (const Finding* f : findings) {
+    trials.push_back(&f->trial);
+    rivals.insert(rivals.end(), f->rivals.begin(), f->rivals.end());
+  }
   const std::vector<Swapped> swapped = swapped_rivals(d, id, rivals);
   for (const Swapped& other : swapped)
     if (other.is_equal) verdict.alternatives.push_back(other.id);
-  // physics, not statistics: at one rate without a hold Maxwell equals Dahl
-  if (is_rate_question(id) && !excitation.splits_rate()) {
-    const std::string other = id == "viscosity" ? "internal_friction" : "viscosity";
-    if (std::find(verdict.alternatives.begin(), verdict.alternatives.end(), other) ==
-        verdict.alternatives.end())
-      verdict.alternatives.push_back(other);
-  }
-  if (effect.needs_rate && !excitation.has_rate && verdict.alternatives.empty())
-    verdict.alternatives.push_back(effect.mistaken_for.front());
-
-  const bool few_blocks = d.data->block_count() < 8;
-  std::string words = effect.words;
-  words[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words[0])));
-  if (!verdict.alternatives.empty()) {
-    verdict.kind = VerdictKind::ambiguous;
-    words += "; this capture cannot tell it from " + list_words(verdict.alternatives);
-    propose_next(d, effect, swapped, options.rig, verdict);
-  } else {
-    verdict.kind = effect.kind == effects::Kind::sensor ? VerdictKind::sensor : VerdictKind::named;
-  }
-  words += ". It accounts for " + percent(verdict.size) +
-           (size.of_force ? " of the force" : " of the free stretch");
-  std::string variants;
-  for (const Finding* f : findings)
-    variants += (variants.empty() ? " (" : "; ") + f->trial.variant.words;
-  words += variants + ")";
-  const Trial& first = findings.front()->trial;
-  if (first.held_out_before > 0.0)
-    words += " and takes " + percent(1.0 - first.held_out_after / first.held_out_before) +
-             " off the squared error on left-out " + first.folds;
-  words += ".";
-  if (few_blocks) words += " Too few repeats for more than a weak word.";
-  verdict.words = words;
-  verdict.evidence = {{"screen_ratio", first.ratio},
-                      {"f_test_p", first.p_value},
-                      {"blocks", static_cast<double>(d.data->block_count())},
-                      {"few_repeats", few_blocks ? 1.0 : 0.0}};
+  add_untold(effect, excitation, verdict.alternatives);
+  auto reduced = make_reference(without(d.extended.model, id, d.baseline.model), d.data, {});
+  const SizeInterval size =
+      effect_size(*d.data, reduced ? reduced->fit : d.baseline.fit, d.extended.fit, options.seed);
+  put_in_words(effect, trials, size, size.of_force ? "force" : "free stretch", "this capture",
+               d.data->block_count(), verdict);
+  if (!verdict.alternatives.empty()) propose_next(d, effect, swapped, options.rig, verdict);
   return verdict;
 }
 
@@ -197,7 +136,6 @@ void add_outliers(Diagnosis& d) {
 }
 
 void add_unexplained(Diagnosis& d, bool anything_found) {
-  const Screen& last = d.last_screen;
   const double expected = noise_chi2(d);
   const double missed = std::max(0.0, d.baseline.fit.chi2 - expected);
   const double left = std::max(0.0, d.extended.fit.chi2 - expected);
@@ -206,40 +144,14 @@ void add_unexplained(Diagnosis& d, bool anything_found) {
   if (!lacks_fit) {
     d.unexplained_share = 0.0;
     if (anything_found) return;
-    Verdict verdict;
-    verdict.words = "Nothing found: what the model misses is no larger than the noise, " +
-                    percent(d.noise_floor) + " of the force.";
-    d.verdicts.push_back(std::move(verdict));
+    d.verdicts.push_back(nothing_found(d.noise_floor));
     return;
   }
-  Verdict verdict;
-  verdict.kind = VerdictKind::unexplained;
-  verdict.size =
-      std::sqrt(std::max(0.0, d.after.error * d.after.error - d.noise_floor * d.noise_floor));
-  verdict.size_lo = verdict.size_hi = verdict.size;
-  verdict.words =
-      percent(d.unexplained_share) +
-      " of what the baseline missed beyond the noise is explained by no effect of the catalogue; " +
-      percent(verdict.size) + " of the force.";
+  Verdict verdict = unexplained(d);
   if (irreproducible(d))
     verdict.words +=
         " Repeats of the same path differ smoothly by far more than neighbouring samples scatter.";
-  verdict.evidence = {{"lack_of_fit", last.lack_of_fit},
-                      {"unexplained_share", d.unexplained_share}};
   d.verdicts.push_back(std::move(verdict));
-}
-
-void add_not_excited(Diagnosis& d, const std::set<std::string>& found) {
-  for (const ScreenRow& row : d.first_screen.table) {
-    if (found.contains(row.effect->id) || !row.status.starts_with("not excited")) continue;
-    Verdict verdict;
-    verdict.kind = VerdictKind::not_excited;
-    verdict.effect = row.effect->id;
-    verdict.words =
-        "These captures cannot show " + row.effect->words + " (" + row.status.substr(13) + ").";
-    verdict.next_protocol = row.effect->split_by;
-    d.verdicts.push_back(std::move(verdict));
-  }
 }
 
 }  // namespace
@@ -272,26 +184,6 @@ bool lacks_fit_still(const Diagnosis& d) {
          d.extended.fit.chi2 > 1.1 * expected;
 }
 
-const char* verdict_name(VerdictKind kind) {
-  switch (kind) {
-    case VerdictKind::nothing_found:
-      return "NOTHING_FOUND";
-    case VerdictKind::named:
-      return "NAMED";
-    case VerdictKind::ambiguous:
-      return "AMBIGUOUS";
-    case VerdictKind::sensor:
-      return "SENSOR";
-    case VerdictKind::not_excited:
-      return "NOT_EXCITED";
-    case VerdictKind::unexplained:
-      return "UNEXPLAINED";
-    case VerdictKind::numerical:
-      return "NUMERICAL";
-  }
-  return "";
-}
-
 void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Excitation& excitation,
                    const Options& options) {
   std::vector<std::string> order;
@@ -308,7 +200,7 @@ void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Exc
   if (auto steps = quantisation_verdict(d)) d.verdicts.push_back(std::move(*steps));
   add_outliers(d);
   add_unexplained(d, !d.verdicts.empty());
-  add_not_excited(d, {order.begin(), order.end()});
+  add_not_excited(d, {order.begin(), order.end()}, [](const Effect&) { return true; });
 }
 
 }  // namespace tenter::diagnosis

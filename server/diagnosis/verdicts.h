@@ -25,6 +25,4 @@ bool irreproducible(const Diagnosis& d);
 /// The extended model still misses more than the noise.
 bool lacks_fit_still(const Diagnosis& d);
 
-const char* verdict_name(VerdictKind kind);
-
 }  // namespace tenter::diagnosis

@@ -37,6 +37,20 @@ const std::vector<std::string>& fold_kinds() {
   return kinds;
 }
 
+Folds folds_of(const std::string& kind, const std::vector<int>& member_of, int members, int most) {
+  Folds folds;
+  folds.kind = kind;
+  const int count = std::min(members, most);
+  if (members < (kind == "protocols" ? 3 : 2)) return folds;
+  for (int k = 0; k < count; ++k) {
+    Eigen::VectorXd training = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(member_of.size()));
+    for (std::size_t r = 0; r < member_of.size(); ++r)
+      if (member_of[r] % count == k) training[static_cast<Eigen::Index>(r)] = 0.0;
+    folds.training.push_back(std::move(training));
+  }
+  return folds;
+}
+
 Folds make_folds(const DataSet& data, const std::vector<Row>& rows, const std::string& kind) {
   std::map<std::string, int> runs_in_group;
   std::vector<std::vector<int>> order(data.curves.size());
@@ -46,20 +60,8 @@ Folds make_folds(const DataSet& data, const std::vector<Row>& rows, const std::s
   std::vector<int> label_of;
   label_of.reserve(rows.size());
   for (const Row& row : rows) label_of.push_back(fold_label(data, row, kind, labels, order));
-  Folds folds;
-  folds.kind = kind;
-  // many small members are gathered into at most eight folds, round robin
   constexpr int kMostFolds = 8;
-  const int members = static_cast<int>(labels.size());
-  const int count = std::min(members, kMostFolds);
-  if (members < (kind == "protocols" ? 3 : 2)) return folds;
-  for (int k = 0; k < count; ++k) {
-    Eigen::VectorXd training = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(rows.size()));
-    for (std::size_t r = 0; r < rows.size(); ++r)
-      if (label_of[r] % count == k) training[static_cast<Eigen::Index>(r)] = 0.0;
-    folds.training.push_back(std::move(training));
-  }
-  return folds;
+  return folds_of(kind, label_of, static_cast<int>(labels.size()), kMostFolds);
 }
 
 std::vector<std::size_t> added_parameters(const model::Model& larger, const model::Model& smaller) {

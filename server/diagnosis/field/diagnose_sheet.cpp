@@ -12,6 +12,7 @@
 #include "server/diagnosis/field/prepare_sheet.h"
 #include "server/diagnosis/field/screen/field_screen.h"
 #include "server/diagnosis/model_edit.h"
+#include "server/diagnosis/path.h"
 #include "server/diagnosis/screening/score_test.h"
 #include "server/diagnosis/screening/shortlist.h"
 #include "server/diagnosis/standing.h"
@@ -37,15 +38,7 @@ struct Chain {
 
 PathStep step_of(const std::string& action, const std::string& effect, const std::string& why,
                  const FieldFit& at, const SheetDiagnosis& d) {
-  PathStep step;
-  step.action = action;
-  step.effect = effect;
-  step.why = why;
-  step.chi2 = at.at.fit.chi2;
-  step.error = score_of_forces(d.data, at).error;
-  step.parameters = free_count(at.at.model);
-  step.information = information(at.at.fit.chi2, step.parameters, 0, at.at.fit.effective_rows);
-  return step;
+  return path_step(action, effect, why, at.at, score_of_forces(d.data, at).error);
 }
 
 std::string standing_of(const Screen& found, const Chain& chain) {
@@ -203,13 +196,7 @@ void drop_where(Chain& chain, WhyNeedless&& why_needless) {
 void go_backward(Chain& chain) {
   if (chain.accepted.size() < 2) return;
   drop_where(chain, [&](const std::string&, const FieldFit& reduced) {
-    const estimation::FitResult& whole = chain.current.at.fit;
-    const double rows = std::max(whole.effective_rows, reduced.at.fit.effective_rows);
-    const int parameters = free_count(chain.current.at.model);
-    const int added = std::max(1, parameters - free_count(reduced.at.model));
-    const double p = f_test(reduced.at.fit.chi2, whole.chi2, added, parameters, rows);
-    return p >= 1e-3 ? "what was added later made it needless (p = " + std::to_string(p) + ")"
-                     : std::string();
+    return made_needless(reduced.at, chain.current.at);
   });
 }
 
@@ -221,16 +208,13 @@ void drop_stand_ins(Chain& chain) {
   if (!(d.last_screen.lack_of_fit > 1.0) || chain.current.at.fit.chi2 <= 1.1 * expected) return;
   const double missed = d.baseline.at.fit.chi2 - expected;
   const double left = missed > 0.0 ? (chain.current.at.fit.chi2 - expected) / missed : 0.0;
-  const double least_share = left > 0.25 ? 0.5 : 0.35;
   std::map<std::string, double> best;
   for (const FieldFinding& f : chain.accepted) {
     double& share = best[f.trial.effect->id];
     share = std::max(share, explained_share(f.before_chi2, f.trial.fit.chi2, expected));
   }
   drop_where(chain, [&](const std::string& id, const FieldFit&) {
-    return best[id] < least_share
-               ? "it explains little of what is missed, and much stays unexplained: a stand-in"
-               : std::string();
+    return stands_in(best[id], left);
   });
 }
 

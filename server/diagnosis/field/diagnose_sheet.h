@@ -12,7 +12,6 @@
 // a screen (less than one more fit), and a refit for each of the best few candidates of a round.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,7 +46,7 @@ struct FieldFinding {
   std::vector<LookAlike> look_alikes;
 };
 
-struct SheetDiagnosis {
+struct SheetDiagnosis : Findings {
   FieldData data;      ///< as fitted: without frames that have no rest, weighed by their noise
   FieldData held_out;  ///< sequences that no fit saw
   FieldNoise noise;
@@ -55,20 +54,10 @@ struct SheetDiagnosis {
   FieldFit baseline, extended;
   FieldFit held_out_baseline, held_out_extended;  ///< empty where nothing is held out
   Excitation excitation;
-  Screen first_screen;
-  Screen last_screen;  ///< of the extended model
   std::vector<Structure> structure,
       structure_left;  ///< of the baseline's residuals, of what is left
   std::vector<FieldFinding> findings;
-  std::vector<Verdict> verdicts;
-  std::vector<PathStep> path;
-  std::vector<Check> checklist;
   std::vector<SheetScore> scores;  ///< of fitted sequences, then of those held out
-  Score before, after;
-  std::optional<Score> held_out_before, held_out_after;
-  std::string held_out_kind;
-  double noise_floor = 0.0;
-  double unexplained_share = 0.0;
 };
 
 /// bad_input for sequences or a model that cannot be fitted; cancelled.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "server/diagnosis/field/prepare_sheet.h"
 
@@ -101,46 +100,17 @@ void add_scores(const FieldData& data, const FieldFit& before, const FieldFit& a
   }
 }
 
-FieldSize size_over(const std::vector<Row>& rows, const std::vector<Reading>& readings,
-                    ObservationKind kind, const Eigen::VectorXd& without,
-                    const Eigen::VectorXd& with, int blocks, unsigned long long seed) {
-  std::vector<double> gain(static_cast<std::size_t>(blocks), 0.0);
-  std::vector<double> power(gain.size(), 0.0);
-  for (std::size_t r = 0; r < rows.size(); ++r) {
+/// Zero but on rows of one kind.
+Eigen::VectorXd share_of(const std::vector<Reading>& readings, ObservationKind kind) {
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(readings.size()));
+  double power = 0.0;
+  for (std::size_t r = 0; r < readings.size(); ++r) {
     if (readings[r].kind != kind) continue;
-    const auto k = static_cast<Eigen::Index>(r);
-    const auto b = static_cast<std::size_t>(rows[r].block);
-    gain[b] += (without[k] * without[k] - with[k] * with[k]) * std::pow(readings[r].sigma, 2);
-    power[b] += readings[r].signal * readings[r].signal;
+    power += readings[r].signal * readings[r].signal;
+    scale[static_cast<Eigen::Index>(r)] = readings[r].sigma;
   }
-  const auto share = [](double g, double p) { return p > 0.0 && g > 0.0 ? std::sqrt(g / p) : 0.0; };
-  std::mt19937_64 engine(seed);
-  constexpr int kResamples = 400;
-  std::vector<double> sizes;
-  double all_gain = 0.0;
-  double all_power = 0.0;
-  for (std::size_t b = 0; b < gain.size(); ++b) {
-    all_gain += gain[b];
-    all_power += power[b];
-  }
-  for (int k = 0; k < kResamples; ++k) {
-    double g = 0.0;
-    double p = 0.0;
-    for (int b = 0; b < blocks; ++b) {
-      const auto pick =
-          static_cast<std::size_t>(engine() % static_cast<unsigned long long>(blocks));
-      g += gain[pick];
-      p += power[pick];
-    }
-    sizes.push_back(share(g, p));
-  }
-  std::sort(sizes.begin(), sizes.end());
-  FieldSize result;
-  result.of_force = kind == ObservationKind::force;
-  result.size = share(all_gain, all_power);
-  result.lo = std::min(result.size, sizes[kResamples / 40]);
-  result.hi = std::max(result.size, sizes[kResamples - 1 - kResamples / 40]);
-  return result;
+  if (power > 0.0) scale /= std::sqrt(power);
+  return scale;
 }
 
 }  // namespace
@@ -174,17 +144,13 @@ Score score_of_forces(const FieldData& data, const FieldFit& fit, int sequence) 
   return score_of_residuals(data, fit.rows, fit.at.fit.residuals, sequence);
 }
 
-FieldSize size_between(const FieldData& data, const std::vector<Row>& rows,
-                       const Eigen::VectorXd& without, const Eigen::VectorXd& with, int blocks,
-                       unsigned long long seed) {
-  constexpr double kNothing = 2e-3;
-  const auto readings = readings_of(data, rows);
-  const FieldSize of_force =
-      size_over(rows, readings, ObservationKind::force, without, with, blocks, seed);
-  if (of_force.size >= kNothing) return of_force;
-  const FieldSize of_points =
-      size_over(rows, readings, ObservationKind::position, without, with, blocks, seed);
-  return of_points.size > of_force.size ? of_points : of_force;
+SizeInterval sheet_effect_size(const FieldData& data, const FieldFit& without, const FieldFit& with,
+                               unsigned long long seed) {
+  const auto readings = readings_of(data, with.rows);
+  return effect_size(with.rows, data.block_count(),
+                     {share_of(readings, ObservationKind::force),
+                      share_of(readings, ObservationKind::position)},
+                     without.at.fit, with.at.fit, seed);
 }
 
 void measure_sheet_gain(SheetDiagnosis& d, const SheetRequest& request, const Control& control) {

@@ -3,6 +3,7 @@
 // saw: the captures that are held out, else protocols, captures or blocks left out in turn.
 #pragma once
 
+#include "server/diagnosis/effect_size.h"
 #include "server/diagnosis/field/diagnose_sheet.h"
 
 namespace tenter::diagnosis {
@@ -15,15 +16,10 @@ Score score_of_forces(const FieldData& data, const FieldFit& fit, int sequence =
 Score score_of_residuals(const FieldData& data, const std::vector<estimation::Row>& rows,
                          const Eigen::VectorXd& residuals, int sequence = -1);
 
-/// Share of the forces (of the motion of points, where forces say nothing) that lies between two
-/// fits, rms over rms, with a 95 % interval over resampled blocks.
-struct FieldSize {
-  bool of_force = true;
-  double size = 0.0, lo = 0.0, hi = 0.0;
-};
-FieldSize size_between(const FieldData& data, const std::vector<estimation::Row>& rows,
-                       const Eigen::VectorXd& without, const Eigen::VectorXd& with, int blocks,
-                       unsigned long long seed);
+/// How much of the forces (of the motion of points, where forces say nothing) lies between two fits
+/// to the same rows (effect_size.h).
+SizeInterval sheet_effect_size(const FieldData& data, const FieldFit& without, const FieldFit& with,
+                               unsigned long long seed);
 
 /// Fills the scores of baseline and extended model, in sample and on what no fit saw.
 void measure_sheet_gain(SheetDiagnosis& d, const SheetRequest& request, const Control& control);

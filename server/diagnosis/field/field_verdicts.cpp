@@ -2,7 +2,6 @@
 #include "server/diagnosis/field/field_verdicts.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
@@ -11,37 +10,10 @@
 #include "server/diagnosis/field/prepare_sheet.h"
 #include "server/diagnosis/field/screen/field_screen.h"
 #include "server/diagnosis/model_edit.h"
+#include "server/diagnosis/verdict_words.h"
 
 namespace tenter::diagnosis {
 namespace {
-
-std::string percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, share < 0.0995 ? "%.1f %%" : "%.0f %%", 100.0 * share);
-  return text;
-}
-
-std::string list_words(const std::vector<std::string>& ids) {
-  std::string words;
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (i > 0) words += i + 1 == ids.size() ? " or " : ", ";
-    words += find_effect(ids[i]) ? find_effect(ids[i])->words : ids[i];
-  }
-  return words;
-}
-
-bool is_rate_question(const std::string& effect) {
-  return effect == "internal_friction" || effect == "strain_dependent_friction" ||
-         effect == "viscosity";
-}
-
-constexpr double kDecisive = 10.0;  // twice the log evidence
-
-/// What holds another effect as a special case does as well, which says nothing against the
-/// simpler.
-bool contains(const std::string& wider, const std::string& narrower) {
-  return wider == "strain_dependent_friction" && narrower == "internal_friction";
-}
 
 void add_once(std::vector<std::string>& list, const std::string& id) {
   if (std::find(list.begin(), list.end(), id) == list.end()) list.push_back(id);
@@ -60,12 +32,9 @@ std::vector<std::string> equals_of(const SheetDiagnosis& d, const std::string& e
         fit_field(with_rival(without(d.extended.at.model, effect, d.baseline.at.model), rival),
                   d.data, d.extended.states, field_options(control));
     if (!swapped) continue;
-    const double rows = std::max(swapped->at.fit.effective_rows, d.extended.at.fit.effective_rows);
-    const double evidence =
-        information(swapped->at.fit.chi2, free_count(swapped->at.model), 0, rows) -
-        information(d.extended.at.fit.chi2, free_count(d.extended.at.model), 0, rows);
     tried.insert(rival.effect->id);
-    if (evidence < kDecisive) equals.push_back(rival.effect->id);
+    if (evidence_against(swapped->at, d.extended.at) < kDecisive)
+      equals.push_back(rival.effect->id);
   }
   return equals;
 }
@@ -87,65 +56,31 @@ Verdict verdict_for(const SheetDiagnosis& d, const std::string& id,
                     const Control& control) {
   const Effect& effect = *find_effect(id);
   Verdict verdict;
-  verdict.effect = id;
-  verdict.p_value = findings.front()->trial.p_value;
-  auto reduced = fit_field(without(d.extended.at.model, id, d.baseline.at.model), d.data,
-                           d.extended.states, field_options(control));
-  const Eigen::VectorXd& rest = reduced ? reduced->at.fit.residuals : d.baseline.at.fit.residuals;
-  const int blocks = d.data.block_count();
-  const FieldSize size =
-      size_between(d.data, d.extended.rows, rest, d.extended.at.fit.residuals, blocks, seed);
-  verdict.size = size.size;
-  verdict.size_lo = size.lo;
-  verdict.size_hi = size.hi;
-
+  std::vector<const Trial*> trials;
   std::vector<Trial> rivals;
-  for (const FieldFinding* f : findings)
+  for (const FieldFinding* f : findings) {
+    trials.push_back(&f->trial);
     rivals.insert(rivals.end(), f->rivals.begin(), f->rivals.end());
+  }
   verdict.alternatives = equals_of(d, id, rivals, control);
+  std::vector<std::pair<std::string, double>> alike;
   for (const FieldFinding* f : findings)
     for (const LookAlike& other : f->look_alikes) {
-      verdict.evidence.emplace_back("canonical correlation with " + other.effect,
-                                    other.correlation);
+      alike.emplace_back("canonical correlation with " + other.effect, other.correlation);
       if (other.told_apart < kDecisive && !holds(d.extended.at.model, other.effect) &&
           !contains(other.effect, id))
         add_once(verdict.alternatives, other.effect);
     }
-  // physics, not statistics: at one rate without a hold Maxwell equals Dahl
-  if (is_rate_question(id) && !d.excitation.splits_rate())
-    add_once(verdict.alternatives, id == "viscosity" ? "internal_friction" : "viscosity");
-  if (effect.needs_rate && !d.excitation.has_rate && verdict.alternatives.empty())
-    verdict.alternatives.push_back(effect.mistaken_for.front());
-
-  std::string words = effect.words;
-  words[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words[0])));
-  if (!verdict.alternatives.empty()) {
-    verdict.kind = VerdictKind::ambiguous;
-    words += "; these captures cannot tell it from " + list_words(verdict.alternatives);
-    verdict.next_protocol = effect.split_by;
-  } else {
-    verdict.kind = effect.kind == effects::Kind::sensor ? VerdictKind::sensor : VerdictKind::named;
-  }
-  words += ". It accounts for " + percent(verdict.size) +
-           (size.of_force ? " of the force" : " of the motion of the points");
-  std::string variants;
-  for (const FieldFinding* f : findings)
-    variants += (variants.empty() ? " (" : "; ") + f->trial.variant.words;
-  words += variants + ")";
-  const Trial& first = findings.front()->trial;
-  if (first.held_out_before > 0.0)
-    words += " and takes " + percent(1.0 - first.held_out_after / first.held_out_before) +
-             " off the squared error on left-out " + first.folds;
-  words += ".";
-  const bool few_blocks = blocks < 8;
-  if (few_blocks) words += " Too few repeats for more than a weak word.";
-  verdict.words = words;
-  verdict.evidence.insert(verdict.evidence.begin(),
-                          {{"screen_ratio", first.ratio},
-                           {"f_test_p", first.p_value},
-                           {"independent_rows", d.extended.at.fit.effective_rows},
-                           {"blocks", static_cast<double>(blocks)},
-                           {"few_repeats", few_blocks ? 1.0 : 0.0}});
+  add_untold(effect, d.excitation, verdict.alternatives);
+  auto reduced = fit_field(without(d.extended.at.model, id, d.baseline.at.model), d.data,
+                           d.extended.states, field_options(control));
+  const SizeInterval size =
+      sheet_effect_size(d.data, reduced ? *reduced : d.baseline, d.extended, seed);
+  put_in_words(effect, trials, size, size.of_force ? "force" : "motion of the points",
+               "these captures", d.data.block_count(), verdict);
+  if (!verdict.alternatives.empty()) verdict.next_protocol = effect.split_by;
+  verdict.evidence.emplace_back("independent_rows", d.extended.at.fit.effective_rows);
+  verdict.evidence.insert(verdict.evidence.end(), alike.begin(), alike.end());
   add_structure(d, verdict);
   return verdict;
 }
@@ -160,25 +95,12 @@ void add_unexplained(SheetDiagnosis& d, bool anything_found) {
   for (const Structure& s : d.structure_left)
     lacks_fit =
         lacks_fit || (s.rows > 0 && s.chi2 > 1.1 * s.rows && d.last_screen.lack_of_fit > 1.0);
-  Verdict verdict;
   if (!lacks_fit) {
     d.unexplained_share = 0.0;
-    if (anything_found) return;
-    verdict.words = "Nothing found: what the model misses is no larger than the noise, " +
-                    percent(d.noise_floor) + " of the force.";
-    d.verdicts.push_back(std::move(verdict));
+    if (!anything_found) d.verdicts.push_back(nothing_found(d.noise_floor));
     return;
   }
-  verdict.kind = VerdictKind::unexplained;
-  verdict.size =
-      std::sqrt(std::max(0.0, d.after.error * d.after.error - d.noise_floor * d.noise_floor));
-  verdict.size_lo = verdict.size_hi = verdict.size;
-  verdict.words =
-      percent(d.unexplained_share) +
-      " of what the baseline missed beyond the noise is explained by no effect of the catalogue; " +
-      percent(verdict.size) + " of the force.";
-  verdict.evidence = {{"lack_of_fit", d.last_screen.lack_of_fit},
-                      {"unexplained_share", d.unexplained_share}};
+  Verdict verdict = unexplained(d);
   for (const Structure& s : d.structure_left) {
     if (s.kind != estimation::ObservationKind::position || s.rows == 0) continue;
     const std::string& name = d.data.sequences[static_cast<std::size_t>(s.sequence)].name;
@@ -190,18 +112,9 @@ void add_unexplained(SheetDiagnosis& d, bool anything_found) {
   d.verdicts.push_back(std::move(verdict));
 }
 
-void add_not_excited(SheetDiagnosis& d, const std::set<std::string>& found) {
-  for (const ScreenRow& row : d.first_screen.table) {
-    if (found.contains(row.effect->id) || !row.status.starts_with("not excited")) continue;
-    if (row.effect->kind == effects::Kind::sensor && !row.effect->sheet_variants) continue;
-    Verdict verdict;
-    verdict.kind = VerdictKind::not_excited;
-    verdict.effect = row.effect->id;
-    verdict.words =
-        "These captures cannot show " + row.effect->words + " (" + row.status.substr(13) + ").";
-    verdict.next_protocol = row.effect->split_by;
-    d.verdicts.push_back(std::move(verdict));
-  }
+/// Faults of sensors that only curves know are not missed here.
+bool is_asked_of_sheets(const Effect& effect) {
+  return effect.kind != effects::Kind::sensor || effect.sheet_variants;
 }
 
 std::string names_in_state(const FieldFit& fit,
@@ -272,7 +185,7 @@ void pass_sheet_verdicts(SheetDiagnosis& d, const SheetRequest& request, const C
   std::stable_sort(d.verdicts.begin(), d.verdicts.end(),
                    [](const Verdict& a, const Verdict& b) { return a.size > b.size; });
   add_unexplained(d, !d.verdicts.empty());
-  add_not_excited(d, {order.begin(), order.end()});
+  add_not_excited(d, {order.begin(), order.end()}, is_asked_of_sheets);
   check_all(d);
 }
 

@@ -25,7 +25,7 @@ const SheetSequence* finer_of(const SheetRequest& request, const std::string& id
   return nullptr;
 }
 
-Verdict numerical_verdict(double share, double missed, const FieldSize& size, double sigmas) {
+Verdict numerical_verdict(double share, double missed, const SizeInterval& size, double sigmas) {
   Verdict verdict;
   verdict.kind = VerdictKind::numerical;
   verdict.effect = "mesh_resolution";
@@ -95,12 +95,15 @@ Expected<void> check_grid(const SheetRequest& request, const Control& control, S
                          "The simulated grid was compared with one of half its spacing", why});
   if (is_to_blame && refitted->rows.size() == d.baseline.rows.size())
     d.verdicts.push_back(numerical_verdict(
-        share, missed,
-        size_between(d.data, d.baseline.rows, d.baseline.at.fit.residuals,
-                     refitted->at.fit.residuals, d.data.block_count(), request.options.seed),
+        share, missed, sheet_effect_size(d.data, d.baseline, *refitted, request.options.seed),
         sigmas));
   d.data = std::move(free_of_grid);
   d.baseline = std::move(*refitted);
+  if (d.held_out.sequences.empty()) return {};
+  auto foretold = predict_field(d.baseline.at.model, d.held_out, d.held_out_baseline.states,
+                                field_options(control));
+  if (!foretold) return tl::unexpected(foretold.error());
+  d.held_out_baseline = std::move(*foretold);
   return {};
 }
 

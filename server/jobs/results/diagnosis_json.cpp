@@ -3,8 +3,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "server/diagnosis/verdicts.h"
+#include "common/model/document.h"
+#include "server/diagnosis/verdict_words.h"
 #include "server/jobs/results/json_number.h"
+#include "server/jobs/results/parameters_json.h"
 
 namespace tenter::jobs {
 
@@ -56,8 +58,6 @@ json verdict_json(const diagnosis::Verdict& v) {
           {"evidence", evidence}};
 }
 
-}  // namespace
-
 json verdicts_json(const std::vector<diagnosis::Verdict>& verdicts) {
   json list = json::array();
   for (const diagnosis::Verdict& v : verdicts) list.push_back(verdict_json(v));
@@ -100,6 +100,47 @@ json checklist_json(const std::vector<diagnosis::Check>& checklist) {
   for (const diagnosis::Check& c : checklist)
     list.push_back({{"level", c.level}, {"what", c.what}, {"why", c.why}});
   return list;
+}
+
+json r2_json(const std::optional<diagnosis::Score>& score) {
+  return score ? number(score->r2) : json(nullptr);
+}
+
+}  // namespace
+
+json error_json(const std::optional<diagnosis::Score>& score) {
+  return score ? number(score->error) : json(nullptr);
+}
+
+json findings_json(const std::string& kind, const diagnosis::Findings& d,
+                   const diagnosis::Reference& baseline, const diagnosis::Reference& extended) {
+  const estimation::FitResult& fit = extended.fit;
+  return {{"schema", "tenter.result"},
+          {"version", 1},
+          {"kind", kind},
+          {"verdicts", verdicts_json(d.verdicts)},
+          {"noise_floor", number(d.noise_floor)},
+          {"error_before", number(d.before.error)},
+          {"error_after", number(d.after.error)},
+          {"r2_before", number(d.before.r2)},
+          {"r2_after", number(d.after.r2)},
+          {"held_out_before", error_json(d.held_out_before)},
+          {"held_out_after", error_json(d.held_out_after)},
+          {"held_out_r2_before", r2_json(d.held_out_before)},
+          {"held_out_r2_after", r2_json(d.held_out_after)},
+          {"held_out_kind", d.held_out_kind.empty() ? json(nullptr) : json(d.held_out_kind)},
+          {"unexplained_share", number(d.unexplained_share)},
+          {"baseline_model", json::parse(model::write_model(baseline.model))},
+          {"model", json::parse(model::write_model(extended.model))},
+          {"screen", screen_json(d.first_screen)},
+          {"path", path_json(d.path)},
+          {"parameters", model_parameters_json(extended.model, fit.states)},
+          {"checklist", checklist_json(d.checklist)},
+          {"fit",
+           {{"cost", number(fit.chi2)},
+            {"iterations", fit.iterations},
+            {"status", fit.converged ? "converged" : "not converged"},
+            {"message", fit.message}}}};
 }
 
 }  // namespace tenter::jobs

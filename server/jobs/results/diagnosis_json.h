@@ -4,16 +4,19 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <vector>
+#include <optional>
+#include <string>
 
 #include "server/diagnosis/findings.h"
-#include "server/diagnosis/screening/candidate.h"
+#include "server/diagnosis/trial.h"
 
 namespace tenter::jobs {
 
-nlohmann::json verdicts_json(const std::vector<diagnosis::Verdict>& verdicts);
-nlohmann::json screen_json(const diagnosis::Screen& screen);
-nlohmann::json path_json(const std::vector<diagnosis::PathStep>& path);
-nlohmann::json checklist_json(const std::vector<diagnosis::Check>& checklist);
+/// Everything that a result says beside its captures, figures and parts of its own.
+nlohmann::json findings_json(const std::string& kind, const diagnosis::Findings& findings,
+                             const diagnosis::Reference& baseline,
+                             const diagnosis::Reference& extended);
+
+nlohmann::json error_json(const std::optional<diagnosis::Score>& score);
 
 }  // namespace tenter::jobs

@@ -18,10 +18,6 @@ namespace tenter::jobs {
 nlohmann::json result_document(const diagnosis::Diagnosis& d, const diagnosis::Request& request,
                                const std::string& kind);
 
-/// "parameters" of a result: those of a model that was fitted, with their states in flat order.
-nlohmann::json model_parameters_json(const model::Model& model,
-                                     const std::vector<estimation::ParameterState>& states);
-
 /// One table per capture and channel, every measured frame; weight 0 on readings that were left
 /// out.
 std::vector<report::ResidualTable> residual_tables(const diagnosis::Diagnosis& d);

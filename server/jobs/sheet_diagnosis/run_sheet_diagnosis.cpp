@@ -7,7 +7,6 @@
 #include <thread>
 
 #include "common/base/atomic_write.h"
-#include "common/model/catalogue.h"
 #include "common/model/document.h"
 #include "server/diagnosis/field/diagnose_sheet.h"
 #include "server/jobs/sheet_diagnosis/sheet_diagnosis_document.h"
@@ -17,8 +16,6 @@ namespace tenter::jobs {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kTolerance_N = 1e-7;
 
 /// The options of a sheet among those of the job.
 json sheet_part(const json& given) {
@@ -39,25 +36,6 @@ diagnosis::SheetRequest request_of(const SheetFindings& found, const diagnosis::
                                  input.held_out, input.finer,
                                  !input.sequence().cloth.mesh.triangle_layer.empty()});
   return request;
-}
-
-Expected<std::vector<Prediction>> predictions(const model::Model& model, const SheetFindings& found,
-                                              int threads, const std::stop_token& stop) {
-  std::vector<Prediction> all;
-  for (const SheetInput& input : found.inputs) {
-    if (stop.stop_requested()) return fail(ErrorKind::cancelled, "the diagnosis was stopped");
-    auto one = predict(model, input.sequence(), threads, kTolerance_N);
-    if (!one) return fail(one.error().kind, input.capture.title + ": " + one.error().message);
-    all.push_back(std::move(*one));
-  }
-  return all;
-}
-
-bool has_springs(const model::Model& model) {
-  return std::any_of(model.terms.begin(), model.terms.end(), [](const model::Term& term) {
-    const auto* strain = model::find_strain(term.strain.name);
-    return strain != nullptr && strain->domain == model::Domain::edge;
-  });
 }
 
 }  // namespace
@@ -107,9 +85,9 @@ Expected<void> run_sheet_diagnosis(const JobInput& input, const json& spec,
   report({"compare", "both models", 0, 0.0, 0.96});
   found.start = diagnosis->baseline.at.model;
   found.fitted = diagnosis->extended.at.model;
-  auto before = predictions(found.start, found, control.threads, stop);
+  auto before = predictions(found.start, found.inputs, control.threads, stop);
   if (!before) return tl::unexpected(before.error());
-  auto after = predictions(found.fitted, found, control.threads, stop);
+  auto after = predictions(found.fitted, found.inputs, control.threads, stop);
   if (!after) return tl::unexpected(after.error());
   found.before = std::move(*before);
   found.after = std::move(*after);

@@ -2,12 +2,9 @@
 #include "server/jobs/sheet_diagnosis/sheet_diagnosis_document.h"
 
 #include <nlohmann/json.hpp>
-#include <optional>
 
-#include "common/model/document.h"
 #include "server/jobs/results/diagnosis_json.h"
 #include "server/jobs/results/json_number.h"
-#include "server/jobs/results/result_document.h"
 #include "server/jobs/sheet_fit/document/sheet_figures.h"
 
 namespace tenter::jobs {
@@ -15,13 +12,6 @@ namespace {
 
 using estimation::ObservationKind;
 using nlohmann::json;
-
-json error_of(const std::optional<diagnosis::Score>& score) {
-  return score ? number(score->error) : json(nullptr);
-}
-json r2_of(const std::optional<diagnosis::Score>& score) {
-  return score ? number(score->r2) : json(nullptr);
-}
 
 const char* kind_word(ObservationKind kind) {
   return kind == ObservationKind::position ? "points"
@@ -111,39 +101,13 @@ json structure_json(const diagnosis::SheetDiagnosis& d,
 }  // namespace
 
 json sheet_diagnosis_document(const diagnosis::SheetDiagnosis& d, const SheetFindings& found) {
-  const estimation::FitResult& fit = d.extended.at.fit;
-  return {{"schema", "tenter.result"},
-          {"version", 1},
-          {"kind", "diagnose"},
-          {"verdicts", verdicts_json(d.verdicts)},
-          {"noise_floor", number(d.noise_floor)},
-          {"error_before", number(d.before.error)},
-          {"error_after", number(d.after.error)},
-          {"r2_before", number(d.before.r2)},
-          {"r2_after", number(d.after.r2)},
-          {"held_out_before", error_of(d.held_out_before)},
-          {"held_out_after", error_of(d.held_out_after)},
-          {"held_out_r2_before", r2_of(d.held_out_before)},
-          {"held_out_r2_after", r2_of(d.held_out_after)},
-          {"held_out_kind", d.held_out_kind.empty() ? json(nullptr) : json(d.held_out_kind)},
-          {"unexplained_share", number(d.unexplained_share)},
-          {"baseline_model", json::parse(model::write_model(d.baseline.at.model))},
-          {"model", json::parse(model::write_model(d.extended.at.model))},
-          {"captures", captures_json(d, found)},
-          {"screen", screen_json(d.first_screen)},
-          {"path", path_json(d.path)},
-          {"parameters", model_parameters_json(d.extended.at.model, fit.states)},
-          {"checklist", checklist_json(d.checklist)},
-          {"figures", sheet_figures(found)},
-          {"meshes", sheet_meshes(found)},
-          {"structure",
-           {{"before", structure_json(d, d.structure)},
-            {"after", structure_json(d, d.structure_left)}}},
-          {"fit",
-           {{"cost", number(fit.chi2)},
-            {"iterations", fit.iterations},
-            {"status", fit.converged ? "converged" : "not converged"},
-            {"message", fit.message}}}};
+  json document = findings_json("diagnose", d, d.baseline.at, d.extended.at);
+  document["captures"] = captures_json(d, found);
+  document["figures"] = sheet_figures(found);
+  document["meshes"] = sheet_meshes(found);
+  document["structure"] = {{"before", structure_json(d, d.structure)},
+                           {"after", structure_json(d, d.structure_left)}};
+  return document;
 }
 
 }  // namespace tenter::jobs

@@ -7,7 +7,6 @@
 #include <thread>
 
 #include "common/base/atomic_write.h"
-#include "common/model/catalogue.h"
 #include "common/model/document.h"
 #include "server/estimation/staged/splines/spline_refinement.h"
 #include "server/estimation/staged/splines/strain_histogram.h"
@@ -81,19 +80,6 @@ std::vector<std::vector<std::string>> terms_of_stages(
   return all;
 }
 
-Expected<std::vector<Prediction>> predictions(const model::Model& model,
-                                              const std::vector<SheetInput>& inputs, int threads,
-                                              const std::stop_token& stop) {
-  std::vector<Prediction> all;
-  for (const SheetInput& input : inputs) {
-    if (stop.stop_requested()) return fail(ErrorKind::cancelled, "the fit was stopped");
-    auto one = predict(model, input.sequence(), threads, kTolerance_N);
-    if (!one) return fail(one.error().kind, input.capture.title + ": " + one.error().message);
-    all.push_back(std::move(*one));
-  }
-  return all;
-}
-
 /// Terms whose range of strains no stage chose get the one that the fitted frames reach, without
 /// outliers.
 void add_reached_strains(const SheetFindings& found, model::Model& model) {
@@ -123,14 +109,6 @@ model::Model comparable(model::Model start) {
     if (estimation::is_spline(term.law) && !(term.law.range_hi > term.law.range_lo))
       term.law = estimation::as_constant(term.law);
   return start;
-}
-
-/// Another material on slender cells (mesh/springs.h).
-bool has_springs(const model::Model& model) {
-  return std::any_of(model.terms.begin(), model.terms.end(), [](const model::Term& term) {
-    const auto* strain = model::find_strain(term.strain.name);
-    return strain != nullptr && strain->domain == model::Domain::edge;
-  });
 }
 
 estimation::StageOptions stage_options(const SheetFitOptions& asked, int threads) {

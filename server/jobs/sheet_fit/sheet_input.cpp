@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/jobs/sheet_fit/sheet_input.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "common/model/catalogue.h"
 #include "server/estimation/staged/refit/grid_free_fit.h"
 
 namespace tenter::jobs {
@@ -56,6 +58,27 @@ Expected<std::vector<SheetInput>> sheet_inputs(
     inputs.push_back(std::move(input));
   }
   return inputs;
+}
+
+Expected<std::vector<Prediction>> predictions(const model::Model& model,
+                                              const std::vector<SheetInput>& inputs, int threads,
+                                              const std::stop_token& stop) {
+  std::vector<Prediction> all;
+  for (const SheetInput& input : inputs) {
+    if (stop.stop_requested())
+      return fail(ErrorKind::cancelled, "stopped while models were compared");
+    auto one = predict(model, input.sequence(), threads);
+    if (!one) return fail(one.error().kind, input.capture.title + ": " + one.error().message);
+    all.push_back(std::move(*one));
+  }
+  return all;
+}
+
+bool has_springs(const model::Model& model) {
+  return std::any_of(model.terms.begin(), model.terms.end(), [](const model::Term& term) {
+    const auto* strain = model::find_strain(term.strain.name);
+    return strain != nullptr && strain->domain == model::Domain::edge;
+  });
 }
 
 }  // namespace tenter::jobs

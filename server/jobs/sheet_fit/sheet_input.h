@@ -3,12 +3,14 @@
 #pragma once
 
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "common/capture/capture.h"
 #include "server/estimation/sequences/from_capture.h"
 #include "server/jobs/sheet_fit/sheet_options.h"
+#include "server/jobs/sheet_fit/sheet_prediction.h"
 
 namespace tenter::jobs {
 
@@ -29,5 +31,13 @@ struct SheetInput {
 /// bad_input names the capture and what is wrong with it (from_capture.h).
 Expected<std::vector<SheetInput>> sheet_inputs(
     std::vector<std::pair<std::string, capture::Capture>> captures, const SheetFitOptions& options);
+
+/// What a model shows on each of them; cancelled.
+Expected<std::vector<Prediction>> predictions(const model::Model& model,
+                                              const std::vector<SheetInput>& inputs, int threads,
+                                              const std::stop_token& stop);
+
+/// Whether a term lies on edges, where slender cells would be another material (mesh/springs.h).
+bool has_springs(const model::Model& model);
 
 }  // namespace tenter::jobs

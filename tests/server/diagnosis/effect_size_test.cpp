@@ -7,38 +7,13 @@
 #include <cmath>
 #include <random>
 
+#include "tests/server/diagnosis/two_channels.h"
+
 namespace tenter::diagnosis {
 namespace {
 
 constexpr int kBlocks = 12;
 constexpr int kFrames = 15;
-
-/// Blocks of one force of about 10 N/m and one stretch of 1.1, sigma 0.5 and 0.001.
-estimation::DataSet data() {
-  estimation::DataSet set;
-  estimation::Curves curves;
-  estimation::ObservedChannel force;
-  force.name = "stress_x";
-  estimation::ObservedChannel stretch;
-  stretch.name = "stretch_y";
-  stretch.is_stress = false;
-  stretch.component = 1;
-  for (int b = 0; b < kBlocks; ++b) {
-    curves.blocks.push_back({0, capture::Branch::load, kFrames * b, kFrames * (b + 1)});
-    for (int f = 0; f < kFrames; ++f) {
-      curves.path.q.emplace_back(1.0, 1.0, 0.0);
-      curves.block_of.push_back(b);
-      force.measured.push_back(10.0);
-      stretch.measured.push_back(1.1);
-    }
-  }
-  const auto frames = static_cast<std::size_t>(kBlocks * kFrames);
-  curves.channels = {force, stretch};
-  set.left_out = {{std::vector<bool>(frames, false), std::vector<bool>(frames, false)}};
-  set.curves.push_back(std::move(curves));
-  set.sigma = {{0.5, 0.001}};
-  return set;
-}
 
 /// Least squares of whitened readings by some columns, as a fit's result.
 estimation::FitResult linear_fit(const Eigen::MatrixXd& columns, const Eigen::VectorXd& readings) {
@@ -52,7 +27,7 @@ estimation::FitResult linear_fit(const Eigen::MatrixXd& columns, const Eigen::Ve
 
 /// Columns over all rows: a constant on the force, and an effect on force (or stretch) beside it.
 struct Problem {
-  estimation::DataSet set = data();
+  estimation::DataSet set = two_channels(kBlocks, kFrames);
   Eigen::MatrixXd own, all;
 
   explicit Problem(int channel) {

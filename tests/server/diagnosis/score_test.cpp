@@ -6,34 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/server/diagnosis/two_channels.h"
+
 namespace tenter::diagnosis {
 namespace {
-
-/// Ten blocks of twenty frames: a force of 10 N/m and a stretch of 1.1, sigma 0.5 and 0.001.
-estimation::DataSet data() {
-  estimation::DataSet set;
-  estimation::Curves curves;
-  estimation::ObservedChannel force;
-  force.name = "stress_x";
-  estimation::ObservedChannel stretch;
-  stretch.name = "stretch_y";
-  stretch.is_stress = false;
-  stretch.component = 1;
-  for (int b = 0; b < 10; ++b) {
-    curves.blocks.push_back({0, capture::Branch::load, 20 * b, 20 * b + 20});
-    for (int f = 0; f < 20; ++f) {
-      curves.path.q.emplace_back(1.0, 1.0, 0.0);
-      curves.block_of.push_back(b);
-      force.measured.push_back(10.0);
-      stretch.measured.push_back(1.1);
-    }
-  }
-  curves.channels = {force, stretch};
-  set.left_out = {{std::vector<bool>(200, false), std::vector<bool>(200, false)}};
-  set.curves.push_back(std::move(curves));
-  set.sigma = {{0.5, 0.001}};
-  return set;
-}
 
 /// Whitened residuals, one value on forces and one on stretches.
 Eigen::VectorXd constant(const std::vector<estimation::Row>& rows, double force, double stretch) {
@@ -44,7 +20,7 @@ Eigen::VectorXd constant(const std::vector<estimation::Row>& rows, double force,
 }
 
 TEST(ScoreOf, IsTheRelativeErrorOfTheForceAlone) {
-  const estimation::DataSet set = data();
+  const estimation::DataSet set = two_channels(10, 20);
   const auto rows = set.rows();
   EXPECT_NEAR(score_of(set, rows, constant(rows, 2.0, 99.0), -1).error, 0.1, 1e-12);
   EXPECT_NEAR(score_of(set, rows, constant(rows, 2.0, 99.0), 0).error, 0.1, 1e-12);

@@ -7,7 +7,7 @@
 
 #include "common/model/presets.h"
 #include "server/diagnosis/diagnose.h"
-#include "server/diagnosis/verdicts.h"
+#include "server/diagnosis/verdict_words.h"
 #include "tests/twin/exam/next_capture.h"
 #include "tests/twin/generator.h"
 

@@ -114,20 +114,8 @@ estimation::Folds field_folds(const FieldData& data, const std::vector<estimatio
                                                  : "block " + std::to_string(row.block);
     label_of.push_back(labels.emplace(key, static_cast<int>(labels.size())).first->second);
   }
-  estimation::Folds folds;
-  folds.kind = kind;
-  // members of a sequence follow each other and are spread over the folds
-  constexpr int kMostFolds = 6;
-  const int members = static_cast<int>(labels.size());
-  const int count = std::min(members, kMostFolds);
-  if (members < (kind == "protocols" ? 3 : 2)) return folds;
-  for (int k = 0; k < count; ++k) {
-    Eigen::VectorXd training = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(rows.size()));
-    for (std::size_t r = 0; r < rows.size(); ++r)
-      if (label_of[r] % count == k) training[static_cast<Eigen::Index>(r)] = 0.0;
-    folds.training.push_back(std::move(training));
-  }
-  return folds;
+  constexpr int kMostFolds = 6;  // each is a fit of whole sheets
+  return estimation::folds_of(kind, label_of, static_cast<int>(labels.size()), kMostFolds);
 }
 
 }  // namespace tenter::diagnosis

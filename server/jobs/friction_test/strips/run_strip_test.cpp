@@ -13,7 +13,7 @@
 #include "server/jobs/friction_test/strips/strip_figures.h"
 #include "server/jobs/friction_test/strips/strip_part.h"
 #include "server/jobs/results/json_number.h"
-#include "server/jobs/results/result_document.h"
+#include "server/jobs/results/parameters_json.h"
 
 namespace tenter::jobs {
 namespace {

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/diagnosis/path.h"
+
+#include <algorithm>
+
+namespace tenter::diagnosis {
+
+PathStep path_step(const std::string& action, const std::string& effect, const std::string& why,
+                   const Reference& at, double error) {
+  PathStep step;
+  step.action = action;
+  step.effect = effect;
+  step.why = why;
+  step.chi2 = at.fit.chi2;
+  step.error = error;
+  step.parameters = free_count(at.model);
+  step.information = information(at.fit.chi2, step.parameters, 0, at.fit.effective_rows);
+  return step;
+}
+
+std::string made_needless(const Reference& reduced, const Reference& whole) {
+  const double rows = std::max(whole.fit.effective_rows, reduced.fit.effective_rows);
+  const int parameters = free_count(whole.model);
+  const int added = std::max(1, parameters - free_count(reduced.model));
+  const double p = f_test(reduced.fit.chi2, whole.fit.chi2, added, parameters, rows);
+  return p >= 1e-3 ? "what was added later made it needless (p = " + std::to_string(p) + ")" : "";
+}
+
+std::string stands_in(double share, double left) {
+  // more is asked of a name where more stays unexplained
+  const double least_share = left > 0.25 ? 0.5 : 0.35;
+  return share < least_share
+             ? "it explains little of what is missed, and much stays unexplained: a stand-in"
+             : "";
+}
+
+}  // namespace tenter::diagnosis

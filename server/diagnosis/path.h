@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Steps of the path of additions, and why a step is taken back; of curves and of sheets.
+#pragma once
+
+#include <string>
+
+#include "server/diagnosis/findings.h"
+#include "server/diagnosis/trial.h"
+
+namespace tenter::diagnosis {
+
+/// `error`: of the model at `at`, as a Score has it.
+PathStep path_step(const std::string& action, const std::string& effect, const std::string& why,
+                   const Reference& at, double error);
+
+/// Why an effect may go that the model `whole` has and its refit `reduced` has not: the F test no
+/// longer asks for it. "" where it does.
+std::string made_needless(const Reference& reduced, const Reference& whole);
+
+/// Why an effect may go whose best part explained `share` of what was missed beyond the noise when
+/// it came in, where the model still misses the share `left` of what the baseline missed: it stands
+/// in for something that the catalogue lacks. "" where it explained enough.
+std::string stands_in(double share, double left);
+
+}  // namespace tenter::diagnosis

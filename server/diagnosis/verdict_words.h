@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What verdicts on curves and on sheets say alike: when rivals are told apart, and the words.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "server/diagnosis/effect_size.h"
+#include "server/diagnosis/findings.h"
+#include "server/diagnosis/trial.h"
+
+namespace tenter::diagnosis {
+
+/// Twice the log evidence from which on a rival is told apart.
+constexpr double kDecisive = 10.0;
+
+/// Twice the log evidence that speaks against `other` and for `chosen`: difference of the
+/// information criteria, on the larger number of independent rows of both.
+double evidence_against(const Reference& other, const Reference& chosen);
+
+/// Whether an effect holds another as a special case: that it does as well says nothing against
+/// the simpler.
+bool contains(const std::string& wider, const std::string& narrower);
+
+/// Friction and viscosity, which only rates and holds tell apart.
+bool is_rate_question(const std::string& effect);
+
+/// Adds what physics, not statistics, leaves open: at one rate without a hold Maxwell equals Dahl;
+/// an effect of time is not known without times.
+void add_untold(const Effect& effect, const Excitation& excitation,
+                std::vector<std::string>& alternatives);
+
+/// Kind, size and words of an effect that passed every gate, from its alternatives, which are in
+/// `verdict` already, and its trials (one a part of it, in the order of their additions). `of_what`:
+/// what the size is a share of; `here`: "this capture" or "these captures"; `blocks`: of the data.
+void put_in_words(const Effect& effect, const std::vector<const Trial*>& trials,
+                  const SizeInterval& size, const std::string& of_what, const std::string& here,
+                  int blocks, Verdict& verdict);
+
+/// "0.42 %", "31 %".
+std::string percent(double share);
+
+Verdict nothing_found(double noise_floor);
+/// Share and size of what stays unexplained; takes unexplained_share, after and noise_floor.
+Verdict unexplained(const Findings& findings);
+/// Of rows that captures do not excite, but for effects found and those that `is_asked` denies.
+void add_not_excited(Findings& findings, const std::set<std::string>& found,
+                     bool (*is_asked)(const Effect&));
+
+const char* verdict_name(VerdictKind kind);
+
+}  // namespace tenter::diagnosis

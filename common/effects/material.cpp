@@ -15,6 +15,17 @@ std::vector<Row> material_rows() {
         "A slow ramp to a larger strain in each direction: the curve of force against strain "
         "bends.",
         {{"ramp", "to one and a half times the range, weft"}, {"ramp", "the same, warp"}}}},
+      {"strain_limit",
+       Kind::material,
+       "a strain limit: beyond a strain the cloth is suddenly stiffer",
+       "single-valued in strain; nothing below a strain, in proportion to what exceeds it beyond",
+       "a stiffness that sets in at a strain, along weft, warp or both",
+       {"nonlinear_stiffness"},
+       {"finer_range_about_the_limit",
+        "Slow ramps with many frames about the strain where the curve turns: a limit is a corner, "
+        "a stiffness that changes with strain is a bend.",
+        {{"ramp", "to half the range"},
+         {"ramp", "from half the range to all of it, at a tenth of the rate"}}}},
       {"anisotropy",
        Kind::material,
        "anisotropy: the stiffness depends on the direction in the cloth",

@@ -112,8 +112,7 @@ SizeInterval size_over(const Eigen::VectorXd& scale, const Eigen::VectorXd& apar
 }  // namespace
 
 SizeInterval effect_size(const std::vector<Row>& rows, int blocks, const SizeScale& scale,
-                         const FitResult& without, const FitResult& with,
-                         unsigned long long seed) {
+                         const FitResult& without, const FitResult& with, unsigned long long seed) {
   constexpr double kNothing = 2e-3;
   const Eigen::VectorXd apart = with.residuals - without.residuals;
   const Eigen::MatrixXd space = added_space(without, with);

@@ -26,8 +26,8 @@ struct SizeInterval {
   double hi = 0.0;
 };
 
-/// What a whitened row's residual of one is as a share of all that was measured of its kind; zero on
-/// rows of other kinds.
+/// What a whitened row's residual of one is as a share of all that was measured of its kind; zero
+/// on rows of other kinds.
 struct SizeScale {
   Eigen::VectorXd force;
   Eigen::VectorXd motion;  ///< free stretches, positions; all zero where none was measured

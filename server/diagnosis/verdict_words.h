@@ -32,8 +32,9 @@ void add_untold(const Effect& effect, const Excitation& excitation,
                 std::vector<std::string>& alternatives);
 
 /// Kind, size and words of an effect that passed every gate, from its alternatives, which are in
-/// `verdict` already, and its trials (one a part of it, in the order of their additions). `of_what`:
-/// what the size is a share of; `here`: "this capture" or "these captures"; `blocks`: of the data.
+/// `verdict` already, and its trials (one a part of it, in the order of their additions).
+/// `of_what`: what the size is a share of; `here`: "this capture" or "these captures"; `blocks`: of
+/// the data.
 void put_in_words(const Effect& effect, const std::vector<const Trial*>& trials,
                   const SizeInterval& size, const std::string& of_what, const std::string& here,
                   int blocks, Verdict& verdict);

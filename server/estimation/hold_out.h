@@ -22,9 +22,9 @@ struct Folds {
 /// Kinds of folds, hardest first.
 const std::vector<std::string>& fold_kinds();
 /// Empty where the data have too few members of the kind: three protocols, two of the others.
-/// Row weights that leave members out in turn: `member_of` has each row's, 0 to members - 1. Members
-/// that follow each other are spread over at most `most` folds. No fold where leaving one out would
-/// say little (fewer than two members, three protocols).
+/// Row weights that leave members out in turn: `member_of` has each row's, 0 to members - 1.
+/// Members that follow each other are spread over at most `most` folds. No fold where leaving one
+/// out would say little (fewer than two members, three protocols).
 Folds folds_of(const std::string& kind, const std::vector<int>& member_of, int members, int most);
 
 Folds make_folds(const DataSet& data, const std::vector<Row>& rows, const std::string& kind);

@@ -8,6 +8,8 @@
 namespace tenter::twin {
 namespace {
 
+constexpr double kCreepStrain = 0.08;
+constexpr double kFailed = 0.95;  // of the stiffness: what is left holds the swatch in the clips
 constexpr double kStressTolerance = 1e-9;  // N/m
 
 // E_material = R E_test R',  R = [[c, -s], [s, c]]
@@ -50,7 +52,7 @@ bool Cloth::remembers() const {
     return pair[0] != 0.0 || pair[1] != 0.0;
   };
   return !friction.empty() || any(maxwell) || any(kelvin_voigt) || any(plastic_share) ||
-         any(softening);
+         any(softening) || creep_per_s != 0.0;
 }
 
 Nominal step(const Cloth& cloth, double angle, const Deformation& next, double dt,
@@ -73,8 +75,15 @@ Nominal step(const Cloth& cloth, double angle, const Deformation& next, double d
     const double depth = (state.largest[i] - e[i]) / cloth.softening_width;
     const bool untouched = cloth.softening[i] == 0.0 || e[i] <= 0.0;
     const double soft = untouched ? 1.0 : 1.0 - cloth.softening[i] * (1.0 - std::exp(-depth));
-    stress[i] =
-        soft * own[i] * strain[i] + k.c12 * strain[1 - i] + cloth.cubic[i] * e[i] * e[i] * e[i];
+    stress[i] = soft * own[i] * strain[i] + k.c12 * strain[1 - i] +
+                cloth.cubic[i] * e[i] * e[i] * e[i] +
+                cloth.taut[i] * std::max(0.0, e[i] - cloth.strain_limit);
+    if (dt > 0.0 && e[i] > 0.0) {
+      const double whole = 1.0 - state.damage[i];
+      state.damage[i] += dt * cloth.creep_per_s * std::pow(e[i] / (kCreepStrain * whole), 4);
+      state.damage[i] = std::min(state.damage[i], kFailed);
+    }
+    stress[i] *= 1.0 - state.damage[i];
   }
 
   const double shear = 2.0 * e[2];

@@ -8,9 +8,11 @@
 //
 //   cross-modal the derivatives of  c/2 Eu^2 Ev^2 + d/2 (Eu^2 + Ev^2) (2 Euv)^2
 //   elastic     Su = s_u C11 (Eu - pu) + C12 (Ev - pv) + k_u Eu^3,   Suv = 2 C33 Euv  (v likewise)
+//   taut        T_u max(0, Eu - limit) more
 //   friction    d sigma / d e = (a + b |e| - sign(de) sigma) / tau   on fibres e = n.E n
 //   Maxwell     dq/dt = k dE/dt - q / T                               Kelvin-Voigt  eta dE/dt
 //   plastic     dp = alpha dE while E passes both its yield strain and its largest value so far
+//   creep       dD/dt = r (E / 8 %)^4 / (1 - D)^4 to failure; the elastic stress is 1 - D of it
 //   softening   s = 1 - A (1 - exp(-(m - E) / w)),  m = largest E so far
 //
 // Equations (5.1), (5.2) of the thesis give the friction law. Integration: trapezoidal rule in each
@@ -38,8 +40,10 @@ struct FrictionFibre {
 struct Cloth {
   Elastic elastic;
   std::array<double, 2> cubic = {0.0, 0.0};  ///< N/m
-  double cross_stretch = 0.0;                ///< c, N/m
-  double cross_shear = 0.0;                  ///< d, N/m
+  std::array<double, 2> taut = {0.0, 0.0};   ///< N/m more beyond the strain limit
+  double strain_limit = 0.06;
+  double cross_stretch = 0.0;  ///< c, N/m
+  double cross_shear = 0.0;    ///< d, N/m
   std::vector<FrictionFibre> friction;
   std::array<double, 2> maxwell = {0.0, 0.0};  ///< N/m
   double relaxation_time_s = 5.0;
@@ -48,6 +52,8 @@ struct Cloth {
   double yield_strain = 0.01;
   std::array<double, 2> softening = {0.0, 0.0};
   double softening_width = 0.005;
+
+  double creep_per_s = 0.0;  ///< of damage, at 8 % strain and none yet
 
   bool remembers() const;  ///< false: stress is a function of the strain alone
 };
@@ -59,6 +65,7 @@ struct ClothState {
   std::array<double, 2> maxwell = {0.0, 0.0};
   std::array<double, 2> plastic = {0.0, 0.0};
   std::array<double, 2> largest = {0.0, 0.0};
+  std::array<double, 2> damage = {0.0, 0.0};  ///< share of the stiffness that is gone
 };
 
 /// Deformation in test axes: F = [[x, shear], [0, y]].

@@ -19,6 +19,15 @@ void stiffen(double amplitude, const std::string& variant, const Plans&, Random,
   if (variant != "u") truth.cloth.cubic[1] = cubic;
 }
 
+// stress of the limit is `amplitude` N/m at 8 % strain
+void limit(double amplitude, const std::string& variant, const Plans&, Random choices,
+           Truth& truth) {
+  truth.cloth.strain_limit = choices.uniform(0.04, 0.065);
+  const double taut = amplitude / (kTypicalStrain - truth.cloth.strain_limit);
+  if (variant != "v") truth.cloth.taut[0] = taut;
+  if (variant != "u") truth.cloth.taut[1] = taut;
+}
+
 void anisotropy(double amplitude, const std::string&, const Plans&, Random choices, Truth& truth) {
   truth.cloth.elastic.c22 *= 1.0 + choices.sign() * amplitude;
 }
@@ -166,6 +175,10 @@ void expansion(double amplitude, const std::string&, const Plans&, Random choice
   truth.faults.expansion_phase_rad = choices.uniform(0.0, 2.0 * std::numbers::pi);
 }
 
+void creep_to_failure(double amplitude, const std::string&, const Plans&, Random, Truth& truth) {
+  truth.cloth.creep_per_s = amplitude;
+}
+
 void clock_aliasing(double amplitude, const std::string&, const Plans&, Random choices,
                     Truth& truth) {
   truth.faults.clock_alias_s = amplitude;
@@ -186,6 +199,7 @@ const std::vector<HiddenEffect>& hidden_effects() {
        1e4,
        "N/m at 8 %",
        stiffen},
+      {"strain_limit", {"u", "v", "both"}, false, false, false, 5.0, 1e4, "N/m at 8 %", limit},
       {"anisotropy", {}, false, false, false, 0.1, 0.9, "1", anisotropy},
       {"poisson_coupling", {}, false, false, false, 50.0, 500.0, "N/m", poisson},
       {"cross_modal_stiffening",
@@ -246,6 +260,7 @@ const std::vector<HiddenEffect>& hidden_effects() {
       {"outliers", {}, false, false, false, 10.0, 1e3, "N/m", outliers},
       {"backlash", {}, true, false, true, 0.001, 0.01, "1", backlash},
       {"expansion_cycle", {}, true, false, false, 0.001, 0.05, "1", expansion},
+      {"creep_to_failure", {}, true, true, false, 1e-4, 0.1, "1/s at 8 %", creep_to_failure},
       {"clock_aliasing", {}, true, false, true, 0.2, 5.0, "s", clock_aliasing},
   };
   return effects;

@@ -8,6 +8,7 @@
 namespace tenter::diagnosis {
 
 Effect nonlinear_stiffness();
+Effect strain_limit();
 Effect anisotropy();
 Effect poisson_coupling();
 Effect cross_modal_stiffening();
@@ -46,11 +47,18 @@ std::vector<Variant> sheet_channel_variants(const model::Model& model, const Exc
 /// Of sheets: the correction on all captures together, and on each where there are several.
 std::vector<Variant> sheet_capture_variants(const model::Model& model, const Excitation& excitation,
                                             const std::string& type);
-/// Variants of a law that remembers the largest strain, along weft, warp and both, with `scale` on
-/// a grid of shares of the strain reached and at most `longest` times it.
-std::vector<Variant> memory_variants(const model::Model& model, const Excitation& excitation,
-                                     const std::string& id, const std::string& law,
-                                     const std::string& amplitude, const std::string& scale,
-                                     const std::vector<double>& shares, double longest);
+/// A law of one strain with an amplitude (zero: off) and a strain at which it sets in.
+struct Onset {
+  std::string id;         ///< of its terms: "set" gives "set_weft"
+  std::string law;        ///< of the law catalogue
+  std::string amplitude;  ///< parameter names
+  std::string strain;
+  std::vector<double> shares;  ///< of the strain reached: the grid of the onset
+  double least = 1e-3;         ///< bounds of the onset, of the strain reached
+  double most = 1.5;
+};
+/// Variants of such a law along weft, warp and both.
+std::vector<Variant> onset_variants(const model::Model& model, const Excitation& excitation,
+                                    const Onset& onset);
 
 }  // namespace tenter::diagnosis

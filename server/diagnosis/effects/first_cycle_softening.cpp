@@ -10,8 +10,9 @@ Effect first_cycle_softening() {
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     for (const double power : {1.0, 3.0}) {
-      auto along = memory_variants(model, excitation, "softening", "softening", "k", "strain_scale",
-                                   {0.05, 0.25}, 2.0);
+      auto along =
+          onset_variants(model, excitation,
+                         {"softening", "softening", "k", "strain_scale", {0.05, 0.25}, 1e-3, 2.0});
       for (Variant& variant : along) {
         variant.words +=
             power > 1.0 ? ", growing with the cube of strain" : ", in proportion to strain";

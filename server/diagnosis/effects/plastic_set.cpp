@@ -7,8 +7,9 @@ namespace tenter::diagnosis {
 Effect plastic_set() {
   Effect effect = described("plastic_set");
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
-    std::vector<Variant> variants = memory_variants(model, excitation, "set", "plastic_set", "c",
-                                                    "yield_strain", {0.001, 0.3, 0.6}, 1.5);
+    std::vector<Variant> variants =
+        onset_variants(model, excitation,
+                       {"set", "plastic_set", "c", "yield_strain", {0.001, 0.3, 0.6}, 1e-3, 1.5});
     // a rest length that moves also moves what its direction does to the other
     for (const char* direction : {"weft", "warp"}) {
       const bool is_weft = direction == std::string("weft");

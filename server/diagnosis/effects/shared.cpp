@@ -99,10 +99,8 @@ std::vector<Variant> sheet_capture_variants(const model::Model& model, const Exc
   return variants;
 }
 
-std::vector<Variant> memory_variants(const model::Model& model, const Excitation& excitation,
-                                     const std::string& id, const std::string& law,
-                                     const std::string& amplitude, const std::string& scale,
-                                     const std::vector<double>& shares, double longest) {
+std::vector<Variant> onset_variants(const model::Model& model, const Excitation& excitation,
+                                    const Onset& onset) {
   std::vector<Variant> variants;
   std::vector<Place> along;
   for (const Place& place : places(model, excitation, false))
@@ -113,16 +111,16 @@ std::vector<Variant> memory_variants(const model::Model& model, const Excitation
     model::Model taken = model;
     for (const Place& place : group) {
       model::Term term =
-          new_term(taken, id + "_" + place.name, place.measure, place.angle_rad, law);
-      set_parameter(term.law, amplitude, 0.0);
-      bound_parameter(term.law, scale, 1e-3 * place.hi, longest * place.hi);
+          new_term(taken, onset.id + "_" + place.name, place.measure, place.angle_rad, onset.law);
+      set_parameter(term.law, onset.amplitude, 0.0);
+      bound_parameter(term.law, onset.strain, onset.least * place.hi, onset.most * place.hi);
       taken.terms.push_back(term);
       variant.append.push_back(std::move(term));
     }
-    for (const double share : shares) {
+    for (const double share : onset.shares) {
       Setting setting;
       for (std::size_t i = 0; i < group.size(); ++i)
-        setting.emplace_back(variant.append[i].id + "." + scale, share * group[i].hi);
+        setting.emplace_back(variant.append[i].id + "." + onset.strain, share * group[i].hi);
       variant.grid.push_back(std::move(setting));
     }
     variants.push_back(std::move(variant));

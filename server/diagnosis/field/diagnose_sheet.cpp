@@ -213,9 +213,8 @@ void drop_stand_ins(Chain& chain) {
     double& share = best[f.trial.effect->id];
     share = std::max(share, explained_share(f.before_chi2, f.trial.fit.chi2, expected));
   }
-  drop_where(chain, [&](const std::string& id, const FieldFit&) {
-    return stands_in(best[id], left);
-  });
+  drop_where(chain,
+             [&](const std::string& id, const FieldFit&) { return stands_in(best[id], left); });
 }
 
 Expected<void> look_again(Chain& chain) {

@@ -147,10 +147,10 @@ Score score_of_forces(const FieldData& data, const FieldFit& fit, int sequence) 
 SizeInterval sheet_effect_size(const FieldData& data, const FieldFit& without, const FieldFit& with,
                                unsigned long long seed) {
   const auto readings = readings_of(data, with.rows);
-  return effect_size(with.rows, data.block_count(),
-                     {share_of(readings, ObservationKind::force),
-                      share_of(readings, ObservationKind::position)},
-                     without.at.fit, with.at.fit, seed);
+  return effect_size(
+      with.rows, data.block_count(),
+      {share_of(readings, ObservationKind::force), share_of(readings, ObservationKind::position)},
+      without.at.fit, with.at.fit, seed);
 }
 
 void measure_sheet_gain(SheetDiagnosis& d, const SheetRequest& request, const Control& control) {

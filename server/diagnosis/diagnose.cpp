@@ -348,9 +348,12 @@ Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
         {request.options.null_twins, request.options.seed + 99, false, request.options.effects});
   };
   look_again();
-  const std::size_t found = accepted.size();
-  drop_stand_ins(d, current, accepted);
-  if (accepted.size() < found) look_again();
+  // without stand-ins more is unexplained, and more is asked of the names that are left
+  for (std::size_t found = accepted.size() + 1; accepted.size() < found;) {
+    found = accepted.size();
+    drop_stand_ins(d, current, accepted);
+    if (accepted.size() < found) look_again();
+  }
   confirm_outliers(d);
   d.extended.model.name = request.model.name + (accepted.empty() ? "" : ", extended");
   model::Lineage lineage;

@@ -253,11 +253,14 @@ Expected<SheetDiagnosis> diagnose_sheets(const SheetRequest& request, const Cont
   if (chain.stopped()) return cancelled();
   go_backward(chain);
   if (auto ok = look_again(chain); !ok) return tl::unexpected(ok.error());
-  const std::size_t found = chain.accepted.size();
-  drop_stand_ins(chain);
-  if (chain.stopped()) return cancelled();
-  if (chain.accepted.size() < found)
-    if (auto ok = look_again(chain); !ok) return tl::unexpected(ok.error());
+  // without stand-ins more is unexplained, and more is asked of the names that are left
+  for (std::size_t found = chain.accepted.size() + 1; chain.accepted.size() < found;) {
+    found = chain.accepted.size();
+    drop_stand_ins(chain);
+    if (chain.stopped()) return cancelled();
+    if (chain.accepted.size() < found)
+      if (auto ok = look_again(chain); !ok) return tl::unexpected(ok.error());
+  }
   d.extended = chain.current;
   name_extended(chain);
   d.findings = std::move(chain.accepted);

@@ -2,7 +2,7 @@
 // Which effects could explain what a fit to sheets left over? The whole catalogue at once, without
 // a refit (screening/ has the statistics).
 //
-//   columns    term_columns(): derivatives by terms that are off, through the equilibrium's factor
+//   columns    added_columns(): derivatives by what is off, through the equilibrium's factor
 //   noise      white, one sigma a row, drawn in the coordinates that the columns span
 //   lack of fit   the largest, over kinds of channels of a sequence, of chi2 over what noise
 //   exceeds
@@ -16,7 +16,7 @@
 
 namespace tenter::diagnosis {
 
-/// Errors as term_columns().
+/// Errors as added_columns().
 Expected<Screen> screen_field(const FieldFit& fit, const FieldData& data,
                               const Excitation& excitation, const ScreenOptions& options,
                               int threads);

@@ -74,13 +74,14 @@ double lack_of_fit(const FieldFit& fit, const FieldData& data) {
 
 /// In coordinates: all columns of the fit, those that are added, then the residuals.
 Eigen::MatrixXd reduced(const FieldFit& fit, const estimation::RowMatrix& added) {
-  constexpr Eigen::Index kBatch = 2048;
+  constexpr Eigen::Index kBatch = 256;
   const Eigen::Index own = fit.at.fit.jacobian.cols();
   const Eigen::Index rows = fit.at.fit.residuals.size();
   Coordinates coordinates(own + added.cols() + 1);
+  estimation::RowMatrix batch;
   for (Eigen::Index first = 0; first < rows; first += kBatch) {
     const Eigen::Index count = std::min(kBatch, rows - first);
-    Eigen::MatrixXd batch(count, own + added.cols() + 1);
+    batch.resize(count, own + added.cols() + 1);
     batch.leftCols(own) = fit.at.fit.jacobian.middleRows(first, count);
     batch.middleCols(own, added.cols()) = added.middleRows(first, count);
     batch.rightCols(1) = fit.at.fit.residuals.segment(first, count);

@@ -10,6 +10,7 @@
 #include "server/diagnosis/field/prepare_sheet.h"
 #include "server/diagnosis/field/screen/field_screen.h"
 #include "server/estimation/sequences/discretisation/grid_error.h"
+#include "server/estimation/sequences/observations.h"
 #include "server/estimation/staged/refit/grid_free_fit.h"
 
 namespace tenter::diagnosis {
@@ -25,6 +26,35 @@ const SheetSequence* finer_of(const SheetRequest& request, const std::string& id
   return nullptr;
 }
 
+/// visit(row) of all but positions: what the grid's error is taken off.
+template <class Visit>
+void each_force(const FieldFit& fit, const FieldData& data, const Visit& visit) {
+  std::vector<estimation::Observations> seen;
+  for (const estimation::Sequence& sequence : data.sequences) seen.emplace_back(sequence);
+  for (std::size_t r = 0; r < fit.rows.size(); ++r) {
+    const auto s = static_cast<std::size_t>(fit.rows[r].curve);
+    if (seen[s].kind(data.sequences[s], fit.rows[r].channel) !=
+        estimation::ObservationKind::position)
+      visit(static_cast<Eigen::Index>(r));
+  }
+}
+
+double force_rows(const FieldFit& fit, const FieldData& data) {
+  double rows = 0.0;
+  each_force(fit, data, [&](Eigen::Index) { rows += 1.0; });
+  return rows;
+}
+
+/// chi2 of forces beyond what noise has: positions are many, and keep the grid's error.
+double missed_forces(const FieldFit& fit, const FieldData& data) {
+  double missed = 0.0;
+  const double noise = expected_chi2(fit) / static_cast<double>(fit.rows.size());
+  each_force(fit, data, [&](Eigen::Index r) {
+    missed += fit.at.fit.residuals[r] * fit.at.fit.residuals[r] - noise;
+  });
+  return missed;
+}
+
 Verdict numerical_verdict(double share, double missed, const FieldSize& size, double sigmas) {
   Verdict verdict;
   verdict.kind = VerdictKind::numerical;
@@ -32,10 +62,11 @@ Verdict numerical_verdict(double share, double missed, const FieldSize& size, do
   verdict.size = size.size;
   verdict.size_lo = size.lo;
   verdict.size_hi = size.hi;
-  char words[240];
+  char words[280];
   std::snprintf(words, sizeof words,
-                "The simulated grid accounts for %.0f %% of what the model missed beyond the "
-                "noise, %.1f %% of the %s: on a grid of half the spacing it misses that much less.",
+                "The simulated grid accounts for %.0f %% of what the model missed of forces beyond "
+                "the noise, %.1f %% of the %s: on a grid of half the spacing it misses that much "
+                "less.",
                 100.0 * share, 100.0 * size.size, size.of_force ? "force" : "motion of the points");
   verdict.words = words;
   if (const effects::Row* row = effects::find("mesh_resolution"))
@@ -81,16 +112,15 @@ Expected<void> check_grid(const SheetRequest& request, const Control& control, S
   auto refitted =
       fit_field(d.baseline.at.model, free_of_grid, d.baseline.states, field_options(control));
   if (!refitted) return tl::unexpected(refitted.error());
-  const double missed = d.baseline.at.fit.chi2 - expected_chi2(d.baseline);
-  const double left = std::max(0.0, refitted->at.fit.chi2 - expected_chi2(*refitted));
+  const double missed = missed_forces(d.baseline, d.data);
+  const double left = std::max(0.0, missed_forces(*refitted, free_of_grid));
   const double share = missed > 0.0 ? std::clamp(1.0 - left / missed, 0.0, 1.0) : 0.0;
-  char why[120];
+  char why[140];
   std::snprintf(why, sizeof why,
                 "its error is up to %.2g standard deviations of a force; without it the model "
-                "misses %.0f %% less",
+                "misses %.0f %% less of forces",
                 sigmas, 100.0 * share);
-  const bool is_to_blame =
-      share >= kMost && missed > kWorthAWord * static_cast<double>(d.baseline.rows.size());
+  const bool is_to_blame = share >= kMost && missed > kWorthAWord * force_rows(d.baseline, d.data);
   d.checklist.push_back({is_to_blame ? "WARNING" : "OK",
                          "The simulated grid was compared with one of half its spacing", why});
   if (is_to_blame && refitted->rows.size() == d.baseline.rows.size())

@@ -54,7 +54,7 @@ model::Model start_of(const twin::Fabric& fabric) {
 int main(int argc, char** argv) {
   const int nodes = argc > 1 ? std::atoi(argv[1]) : 25;
   const int frames = argc > 2 ? std::atoi(argv[2]) : 40;
-  const twin::Fabric fabric = twin::without_friction(twin::fabric("12"));
+  const twin::Fabric fabric = twin::without_friction(twin::fabric(argc > 3 ? argv[3] : "12"));
   auto measured = twin::same_mesh_twin(
       fabric, twin::make_protocol(fabric, "shear", {.frames = frames, .cells = nodes - 1}),
       {.nodes = nodes});

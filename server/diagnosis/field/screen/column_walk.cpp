@@ -19,28 +19,26 @@ constexpr double kTolerance_N = 1e-8;
 
 using ByNode = estimation::Observation::ByNode;
 
-/// change += sum by . d(node), row-major: whole rows at a time.
-void add_rows(const std::vector<ByNode>& parts, const estimation::RowMatrix& by_node,
-              Eigen::RowVectorXd& change) {
-  for (const ByNode& part : parts)
-    for (int c = 0; c < 3; ++c)
-      if (part.by[c] != 0.0)
-        change.noalias() += part.by[c] * by_node.row(3 * static_cast<Eigen::Index>(part.node) + c);
-}
-
-/// estimation::change_of for many columns, of a state that all channels look at.
+/// estimation::change_of for many columns and thousands of points: whole rows at a time. Forces are
+/// few, and look at few nodes.
 class Change {
  public:
   explicit Change(const mechanics::Sensitivity& moved) : x_(moved.x), gradient_(moved.gradient) {}
 
   void of(const estimation::Observation& seen, Eigen::RowVectorXd& change) const {
     change.setZero(x_.cols());
-    add_rows(seen.by_x, x_, change);
-    add_rows(seen.by_gradient, gradient_, change);
+    for (const ByNode& part : seen.by_x)
+      for (int c = 0; c < 3; ++c)
+        if (part.by[c] != 0.0)
+          change.noalias() += part.by[c] * x_.row(3 * static_cast<Eigen::Index>(part.node) + c);
+    for (const ByNode& part : seen.by_gradient)
+      change.noalias() +=
+          part.by.transpose() * gradient_.middleRows<3>(3 * static_cast<Eigen::Index>(part.node));
   }
 
  private:
-  estimation::RowMatrix x_, gradient_;
+  estimation::RowMatrix x_;
+  const Eigen::MatrixXd& gradient_;
 };
 
 }  // namespace

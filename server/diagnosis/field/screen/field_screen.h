@@ -8,7 +8,8 @@
 //   exceeds
 //                 there once in twenty captures
 //
-// Cost: one factorisation a frame and a product of rows by the square of columns.
+// Cost: one factorisation a frame, a solve and a look at every element for each column, and a
+// product of rows by the square of columns.
 #pragma once
 
 #include "server/diagnosis/field/data/field_fit.h"

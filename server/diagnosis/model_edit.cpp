@@ -46,6 +46,10 @@ model::Model with_rival(model::Model model, const Trial& rival) {
       model.terms.push_back(t);
     }
   }
+  for (const model::Field& field : rival.model.fields)  // that supports of its terms refer to
+    if (std::none_of(model.fields.begin(), model.fields.end(),
+                     [&](const model::Field& own) { return own.id == field.id; }))
+      model.fields.push_back(field);
   for (const model::SensorCorrection& c : rival.model.corrections)
     if (c.effect == rival.effect->id) model.corrections.push_back(c);
   return model;

@@ -5,10 +5,10 @@
 //
 //   if (auto ok = check_grid(request, control, d); !ok) return tl::unexpected(ok.error());
 //
-// Where that takes most of what the baseline missed beyond the noise, the verdict is NUMERICAL
-// mesh_resolution. Either way the chain goes on with readings without the grid's error. Sequences
-// that come without a finer grid stay as they are. Cost: every frame at rest on the finer grid, and
-// a fit.
+// Where that takes most of what the baseline missed of forces beyond the noise (positions keep the
+// grid's error, which says nothing where sheets fold), the verdict is NUMERICAL mesh_resolution.
+// Either way the chain goes on with readings without the grid's error. Sequences that come without
+// a finer grid stay as they are. Cost: every frame at rest on the finer grid, and a fit.
 #pragma once
 
 #include "server/diagnosis/field/diagnose_sheet.h"

@@ -93,6 +93,26 @@ model::Model Gathering::model() const {
   return all;
 }
 
+std::vector<int> Gathering::asked(int first_code, int count) const {
+  std::vector<bool> is_asked(static_cast<std::size_t>(count), false);
+  for (const Columns& entry : entries_)
+    for (const int code : entry.columns)
+      if (code >= first_code && code - first_code < count)
+        is_asked[static_cast<std::size_t>(code - first_code)] = true;
+  std::vector<int> places;
+  for (int k = 0; k < count; ++k)
+    if (is_asked[static_cast<std::size_t>(k)]) places.push_back(k);
+  return places;
+}
+
+std::vector<int> Gathering::asked_of_terms() const {
+  return asked(0, added_term_parameters_);
+}
+
+std::vector<int> Gathering::asked_of_corrections() const {
+  return asked(kCorrectionBase, correction_parameters_);
+}
+
 int Gathering::place(int code) const {
   if (code < 0) {
     const int base = -1 - code;

@@ -55,6 +55,10 @@ class Gathering {
     return static_cast<int>(base_index_.size()) - term_parameters_;
   }
   int added_correction_count() const { return correction_parameters_; }
+  /// Those of the added terms' parameters that some entry asks for, counted over these terms,
+  /// rising: what is fixed or set by a grid needs no column. The same of the added corrections.
+  std::vector<int> asked_of_terms() const;
+  std::vector<int> asked_of_corrections() const;
   int count() const {
     return base_term_count() + added_term_count() + base_correction_count() +
            added_correction_count();
@@ -62,6 +66,7 @@ class Gathering {
 
  private:
   void add_term(model::Term term, const Setting& setting, Columns& entry);
+  std::vector<int> asked(int first_code, int count) const;
 
   model::Model model_;
   std::map<std::string, int> base_index_;

@@ -137,6 +137,9 @@ class ElementGroup final : public MeshModel::Group {
                               const Eigen::MatrixXd& x_change,
                               const std::vector<Eigen::Index>& columns,
                               Eigen::MatrixXd& change) const override;
+  AssemblyStatus take_held_step(const double* x, const double* parameters,
+                                const std::vector<Eigen::Index>& columns, History& history,
+                                Eigen::MatrixXd& change, Eigen::MatrixXd& force) const override;
 
   AssemblyStatus fill_limits(const double* x, const double* parameters,
                              ActiveLimits& active) const override {

@@ -65,6 +65,10 @@ class MeshModel::Group {
                                       const History& history, const Eigen::MatrixXd& x_change,
                                       const std::vector<Eigen::Index>& columns,
                                       Eigen::MatrixXd& change) const = 0;
+  /// Its part of take_held_step (history/held_step.h).
+  virtual AssemblyStatus take_held_step(const double* x, const double* parameters,
+                                        const std::vector<Eigen::Index>& columns, History& history,
+                                        Eigen::MatrixXd& change, Eigen::MatrixXd& force) const = 0;
   /// Adds to the entry of each of its terms.
   virtual AssemblyStatus add_term_energies(const double* x, const double* parameters,
                                            const History* history, double* energies) const = 0;
@@ -80,6 +84,10 @@ class MeshModel::Group {
   virtual const std::vector<double>& measure() const = 0;  ///< of its elements, without supports
   virtual std::vector<std::pair<int, int>> pairs() const = 0;
   virtual void find_slots(const NodeMatrix& matrix) = 0;
+  /// What a model is made of.
+  static const std::vector<std::shared_ptr<const Group>>& of(const MeshModel& model) {
+    return model.groups_;
+  }
 
   const ElementKind kind;
   const std::vector<int> element;  ///< numbers of its elements among those of this kind

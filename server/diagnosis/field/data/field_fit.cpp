@@ -93,13 +93,17 @@ Expected<FieldFit> predict_field(const model::Model& model, const FieldData& dat
   return result;
 }
 
+/// What all of the captures do not determine is not looked for in a part of them.
 estimation::HeldOut cross_validate_field(const FieldFit& at, const FieldData& data,
                                          const estimation::Folds& folds,
                                          const FieldFitOptions& options) {
-  auto evaluator = evaluator_of(at.at.model, data, at.states, options);
+  model::Model model = at.at.model;
+  const auto parameters = estimation::parameters_of(model);
+  for (std::size_t i = 0; i < at.at.fit.states.size(); ++i)
+    if (at.at.fit.states[i] != estimation::ParameterState::free) parameters[i]->fixed = true;
+  auto evaluator = evaluator_of(model, data, at.states, options);
   if (!evaluator) return {};
-  return estimation::cross_validate(*evaluator, at.at.model, folds,
-                                    fit_options(at.at.model, options));
+  return estimation::cross_validate(*evaluator, model, folds, fit_options(model, options));
 }
 
 estimation::Folds field_folds(const FieldData& data, const std::vector<estimation::Row>& rows,

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "common/base/not_a_number.h"
+#include "server/diagnosis/field/data/scatter.h"
 #include "server/diagnosis/field/data/structure.h"
 
 namespace tenter::diagnosis {
@@ -16,8 +17,9 @@ using estimation::ObservationKind;
 using estimation::Row;
 using estimation::Sequence;
 
-constexpr int kFewest = 20;       // differences that a spread is taken of
-constexpr double kAgrees = 1.25;  // a factor within which the stated value stays
+constexpr int kFewest = 20;               // differences of repeats that an rms is taken of
+constexpr std::size_t kFewestPoints = 8;  // for neighbours to say anything
+constexpr double kAgrees = 1.25;          // a factor within which the stated value stays
 
 /// Residuals of a sequence: [channel][frame].
 using Table = std::vector<std::vector<double>>;
@@ -31,16 +33,6 @@ Table table_of(const Sequence& sequence, int index, int channels, const std::vec
       table[static_cast<std::size_t>(rows[r].channel)][static_cast<std::size_t>(rows[r].frame)] =
           residuals[static_cast<Eigen::Index>(r)];
   return table;
-}
-
-/// What a frame's neighbours in its block do not foretell.
-std::vector<double> without_neighbours(const Sequence& sequence, const std::vector<double>& r) {
-  std::vector<double> left(r.size(), kNaN);
-  for (std::size_t f = 1; f + 1 < r.size(); ++f)
-    if (sequence.frames[f - 1].block == sequence.frames[f].block &&
-        sequence.frames[f + 1].block == sequence.frames[f].block)
-      left[f] = (r[f] - 0.5 * (r[f - 1] + r[f + 1])) / std::sqrt(1.5);
-  return left;
 }
 
 std::vector<std::vector<std::size_t>> nearest_points(const Sequence& sequence) {
@@ -62,35 +54,26 @@ std::vector<std::vector<std::size_t>> nearest_points(const Sequence& sequence) {
   return nearest;
 }
 
-/// Less the mean of the nearest points', of points' channels.
-void take_away_places(const Sequence& sequence, Table& table) {
+/// Points, each less the mean of the nearest ones': a misfit that is smooth over the material goes.
+void add_points(const Frames& frames, const Sequence& sequence, const Table& table, Looks& looks) {
   const auto nearest = nearest_points(sequence);
-  const Table before = table;
-  for (std::size_t p = 0; p < nearest.size(); ++p)
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t f = 0; f < sequence.frames.size(); ++f) {
+  std::vector<double> value(3 * nearest.size());
+  const auto all = frames.looks();
+  for (std::size_t look = 0; look < all.size(); ++look)
+    for (const Contrast& contrast : *all[look]) {
+      for (std::size_t c = 0; c < value.size(); ++c) value[c] = contrast.of(table[c]);
+      for (std::size_t c = 0; c < value.size(); ++c) {
         double sum = 0.0;
         double n = 0.0;
-        for (const std::size_t q : nearest[p]) {
-          const double there = before[3 * q + c][f];
+        for (const std::size_t q : nearest[c / 3]) {
+          const double there = value[3 * q + c % 3];
           if (std::isnan(there)) continue;
           sum += there;
           n += 1.0;
         }
-        double& value = table[3 * p + c][f];
-        value = n >= 3.0 ? (value - sum / n) / std::sqrt(1.0 + 1.0 / n) : kNaN;
+        if (n >= 3.0) looks.add(look, (value[c] - sum / n) / std::sqrt(1.0 + 1.0 / n));
       }
-}
-
-/// Spread of what is normal in the middle; 0: too few. `count`: of how many.
-double robust_spread(std::vector<double> values, std::size_t& count) {
-  std::erase_if(values, [](double v) { return std::isnan(v); });
-  count = values.size();
-  if (count < kFewest) return 0.0;
-  for (double& v : values) v = std::abs(v);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return 1.4826 * *middle;
+    }
 }
 
 bool same_poses(const Sequence& a, const Sequence& b) {
@@ -128,24 +111,22 @@ double repeat_spread(const Table& a, const Table& b, const std::vector<int>& cha
   return n >= kFewest ? std::sqrt(sum / n) : 0.0;
 }
 
-/// Takes what is shown where that is surely another value than the stated one.
-void choose(double spread, std::size_t count, estimation::NoiseSource source,
-            FieldNoise::Kind& kind) {
-  if (!(spread > 0.0)) return;
-  // a median of n overlapping second differences of white noise has a relative error of 1.6/sqrt n
-  constexpr double kError = 1.6;
+/// Takes what is shown where that is surely another value than the stated one. A bound says of a
+/// stated value that it is too large, never that it is too small.
+void choose(const Scatter& scatter, estimation::NoiseSource source, FieldNoise::Kind& kind) {
+  if (!(scatter.spread > 0.0)) return;
   constexpr double kSurely = 3.0;
-  const double agrees = std::max(
-      kAgrees,
-      std::exp(kSurely * kError / std::sqrt(static_cast<double>(std::max<std::size_t>(1, count)))));
-  kind.shown = spread * kind.stated;
+  const double agrees = std::max(kAgrees, std::exp(kSurely * scatter.error()));
+  kind.shown = scatter.spread * kind.stated;
+  kind.is_bound = scatter.is_bound;
   kind.source = source;
   // a sigma of k readings has a relative error of 1/sqrt(2k)
   kind.known_of = source == estimation::NoiseSource::repeats
-                      ? static_cast<double>(count)
-                      : static_cast<double>(count) / (2.0 * kError * kError);
-  if (spread > agrees || spread < 1.0 / agrees)
-    kind.factor = spread;
+                      ? static_cast<double>(scatter.values)
+                      : 0.5 / (scatter.error() * scatter.error());
+  const bool is_larger = scatter.spread > agrees && !scatter.is_bound;
+  if (is_larger || scatter.spread < 1.0 / agrees)
+    kind.factor = scatter.spread;
   else if (source == estimation::NoiseSource::scatter)
     kind.source = estimation::NoiseSource::declared;
 }
@@ -155,7 +136,7 @@ void choose(double spread, std::size_t count, estimation::NoiseSource source,
 FieldNoise estimate_field_noise(const FieldData& data, const std::vector<Row>& rows,
                                 const Eigen::VectorXd& residuals) {
   FieldNoise noise;
-  std::map<ObservationKind, std::vector<double>> pooled;
+  std::map<ObservationKind, Looks> pooled;
   std::vector<Table> tables;
   for (std::size_t s = 0; s < data.sequences.size(); ++s)
     tables.push_back(table_of(data.sequences[s], static_cast<int>(s),
@@ -164,10 +145,8 @@ FieldNoise estimate_field_noise(const FieldData& data, const std::vector<Row>& r
   for (std::size_t s = 0; s < data.sequences.size(); ++s) {
     const Sequence& sequence = data.sequences[s];
     const estimation::Observations seen(sequence);
-    Table in_time;
-    for (const auto& r : tables[s]) in_time.push_back(without_neighbours(sequence, r));
-    Table left = in_time;
-    if (sequence.points.size() >= 8) take_away_places(sequence, left);
+    const Frames frames(sequence);
+    const std::size_t points = sequence.points.size() >= kFewestPoints ? sequence.points.size() : 0;
     std::vector<std::vector<int>> of_kind;  // in the order of first channels, as kind_places() has
     int place_of[3] = {-1, -1, -1};
     for (int c = 0; c < seen.count(); ++c) {
@@ -183,28 +162,25 @@ FieldNoise estimate_field_noise(const FieldData& data, const std::vector<Row>& r
       kind.sequence = static_cast<int>(s);
       kind.kind = seen.kind(sequence, channels.front());
       kind.stated = sigma_rms(sequence, channels);
-      std::vector<double> spread;
-      for (const int c : channels) {
-        const auto& values = left[static_cast<std::size_t>(c)];
-        spread.insert(spread.end(), values.begin(), values.end());
+      for (const int c : channels)
         for (const double v : tables[s][static_cast<std::size_t>(c)])
           kind.rows += std::isnan(v) ? 0 : 1;
-      }
-      if (kind.kind == ObservationKind::position) {
-        std::size_t count = 0;
-        const double scatter = robust_spread(std::move(spread), count);
-        choose(scatter, count, estimation::NoiseSource::scatter, kind);
-      } else {  // few, and of one rig in all captures
-        auto& all = pooled[kind.kind];
-        all.insert(all.end(), spread.begin(), spread.end());
-      }
+      // forces are few, and of one rig in all captures
+      const bool has_points = kind.kind == ObservationKind::position;
+      Looks own;
+      Looks& looks = has_points ? own : pooled[kind.kind];
+      if (has_points && points > 0) add_points(frames, sequence, tables[s], looks);
+      for (const int c : channels)
+        if (!has_points || static_cast<std::size_t>(c) >= 3 * points)
+          looks.add(frames, tables[s][static_cast<std::size_t>(c)]);
+      if (has_points) choose(own.scatter(), estimation::NoiseSource::scatter, kind);
       for (std::size_t other = 0; other < s; ++other) {
         if (data.protocols[other] != data.protocols[s] ||
             !same_poses(data.sequences[other], sequence))
           continue;
         kind.factor = 1.0;
-        choose(repeat_spread(tables[other], tables[s], channels),
-               static_cast<std::size_t>(kind.rows), estimation::NoiseSource::repeats, kind);
+        choose({repeat_spread(tables[other], tables[s], channels), kind.rows, false},
+               estimation::NoiseSource::repeats, kind);
         break;
       }
       noise.kinds.push_back(kind);
@@ -213,9 +189,7 @@ FieldNoise estimate_field_noise(const FieldData& data, const std::vector<Row>& r
   for (FieldNoise::Kind& kind : noise.kinds) {
     if (kind.kind == ObservationKind::position || kind.source == estimation::NoiseSource::repeats)
       continue;
-    std::size_t count = 0;
-    const double scatter = robust_spread(pooled[kind.kind], count);
-    choose(scatter, count, estimation::NoiseSource::scatter, kind);
+    choose(pooled[kind.kind].scatter(), estimation::NoiseSource::scatter, kind);
   }
   // the first of several repeats has what the second one showed with it
   for (FieldNoise::Kind& kind : noise.kinds)
@@ -226,6 +200,7 @@ FieldNoise estimate_field_noise(const FieldData& data, const std::vector<Row>& r
           data.protocols[static_cast<std::size_t>(later.sequence)] ==
               data.protocols[static_cast<std::size_t>(kind.sequence)]) {
         kind.shown = later.shown;
+        kind.is_bound = later.is_bound;
         kind.known_of = later.known_of;
         kind.factor = later.factor;
         kind.source = later.source;
@@ -263,6 +238,7 @@ FieldNoise combined(FieldNoise first, const FieldNoise& second) {
     FieldNoise::Kind& kind = first.kinds[k];
     if (second.kinds[k].factor == 1.0) continue;
     kind.shown = second.kinds[k].shown;
+    kind.is_bound = second.kinds[k].is_bound;
     kind.factor *= second.kinds[k].factor;
     kind.source = second.kinds[k].source;
   }

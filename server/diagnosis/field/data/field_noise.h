@@ -5,16 +5,14 @@
 // forces, which are few, scatter is that of all sequences together):
 //
 //   repeats   sequences of one protocol with equal poses: rms of (r_a - r_b) / sqrt 2
-//   scatter   robust spread (1.48 median magnitude) of what is left of a reading when its
-//             neighbours in time and, of points, in the material are taken away:
-//             d = [r(f) - (r(f-1) + r(f+1))/2] / sqrt 1.5,  then less the mean of the nearest
-//             points'
-//   stated    where neither can be had
+//   scatter   what is left of a reading when smooth misfits are taken away (scatter.h): over the
+//             frames, or between frames with equal poses; of points, also less what the nearest
+//             points have of it in the material
+//   stated    where neither can be had, or what scatters is only a bound of the noise, and above
+//             what is stated
 //
-// A smooth misfit is no scatter, and misfits that jump are few: the median does not see them. The
-// stated value stays where what is shown is within a quarter of it, or within three of its own
-// errors (1.6 over the root of how many differences there are): a handful of forces knows no
-// better.
+// The stated value stays where what is shown is within a quarter of it, or within three of its own
+// errors: a handful of forces knows no better.
 //
 //   const FieldNoise noise = estimate_field_noise(data, rows, residuals);
 //   data = reweighed(data, noise);                                // and fit again
@@ -38,6 +36,7 @@ struct FieldNoise {
     int rows = 0;
     double stated = 0.0;    ///< rms of the channels' sigmas: m or N
     double shown = 0.0;     ///< the same by repeats or scatter; 0: cannot be had
+    bool is_bound = false;  ///< the noise is no larger than `shown`, but may be smaller
     double factor = 1.0;    ///< on the sigmas
     double known_of = 0.0;  ///< independent readings that `shown` is worth
     estimation::NoiseSource source = estimation::NoiseSource::declared;

@@ -11,23 +11,34 @@
 //   for (each batch of rows) reduced.add(batch);
 //   const Eigen::MatrixXd r = reduced.matrix();
 //
-// Householder's, batch by batch: cost 2 rows columns^2; deterministic. One thread.
+// Householder's, batch by batch, eight columns at a time: cost 2 rows columns^2, batches of some
+// hundred rows are best, and columns that have been zero so far cost nothing (those of instruments
+// that only read forces, say). Deterministic on one machine (elements/lanes.h). One thread.
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
+
+#include "server/estimation/residual_function.h"
 
 namespace tenter::diagnosis {
 
 class Coordinates {
  public:
-  explicit Coordinates(Eigen::Index columns) : r_(Eigen::MatrixXd::Zero(columns, columns)) {}
+  explicit Coordinates(Eigen::Index columns);
 
-  void add(const Eigen::MatrixXd& rows);
+  void add(const estimation::RowMatrix& rows);
   /// columns x columns: a column each of the rows'.
-  const Eigen::MatrixXd& matrix() const { return r_; }
+  Eigen::MatrixXd matrix() const;
 
  private:
-  Eigen::MatrixXd r_;
+  bool is_zero(Eigen::Index count, Eigen::Index first) const;
+
+  Eigen::Index columns_, stride_;  ///< of rows that are padded to whole lanes
+  std::vector<double> r_;          ///< upper triangle, row by row
+  std::vector<bool> is_zero_;      ///< [eight columns] so far
+  std::vector<double> rows_,
+      reflectors_;  ///< scratch: the batch, and what takes eight columns off it
 };
 
 }  // namespace tenter::diagnosis

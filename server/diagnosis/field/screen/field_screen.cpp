@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "server/diagnosis/field/data/structure.h"
+#include "server/diagnosis/field/screen/added_columns.h"
 #include "server/diagnosis/field/screen/coordinates.h"
-#include "server/diagnosis/field/screen/term_columns.h"
 #include "server/diagnosis/screening/catalogue_screen.h"
 #include "server/diagnosis/screening/normal.h"
 
@@ -72,30 +72,38 @@ double lack_of_fit(const FieldFit& fit, const FieldData& data) {
   return worst;
 }
 
-/// All columns in the gathered order, then the residuals: batch by batch.
-Eigen::MatrixXd reduced(const FieldFit& fit, const Gathering& gathering,
-                        const Eigen::MatrixXd& added, const Eigen::MatrixXd& corrected) {
-  constexpr Eigen::Index kBatch = 1024;
-  const Eigen::Index terms = gathering.base_term_count();
-  const Eigen::Index corrections = gathering.base_correction_count();
+/// In coordinates: all columns of the fit, those that are added, then the residuals.
+Eigen::MatrixXd reduced(const FieldFit& fit, const estimation::RowMatrix& added) {
+  constexpr Eigen::Index kBatch = 256;
+  const Eigen::Index own = fit.at.fit.jacobian.cols();
   const Eigen::Index rows = fit.at.fit.residuals.size();
-  const Eigen::MatrixXd& jacobian = fit.at.fit.jacobian;
-  const Eigen::Index columns = terms + added.cols() + corrections + corrected.cols() + 1;
-  Coordinates coordinates(columns);
-  Eigen::MatrixXd batch;
+  Coordinates coordinates(own + added.cols() + 1);
+  estimation::RowMatrix batch;
   for (Eigen::Index first = 0; first < rows; first += kBatch) {
     const Eigen::Index count = std::min(kBatch, rows - first);
-    batch.resize(count, columns);
-    batch.leftCols(terms) = jacobian.block(first, 0, count, terms);
-    batch.middleCols(terms, added.cols()) = added.middleRows(first, count);
-    batch.middleCols(terms + added.cols(), corrections) =
-        jacobian.block(first, terms, count, corrections);
-    batch.middleCols(terms + added.cols() + corrections, corrected.cols()) =
-        corrected.middleRows(first, count);
+    batch.resize(count, own + added.cols() + 1);
+    batch.leftCols(own) = fit.at.fit.jacobian.middleRows(first, count);
+    batch.middleCols(own, added.cols()) = added.middleRows(first, count);
     batch.rightCols(1) = fit.at.fit.residuals.segment(first, count);
     coordinates.add(batch);
   }
   return coordinates.matrix();
+}
+
+/// The same in the gathered order; zero where no entry asks for a column.
+Eigen::MatrixXd in_order(const Eigen::MatrixXd& all, const Gathering& gathering,
+                         const Added& added) {
+  const Eigen::Index terms = gathering.base_term_count();
+  const Eigen::Index corrections = gathering.base_correction_count();
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(all.rows(), gathering.count());
+  columns.leftCols(terms) = all.leftCols(terms);
+  const Eigen::Index after = terms + gathering.added_term_count();
+  columns.middleCols(after, corrections) = all.middleCols(terms, corrections);
+  Eigen::Index from = terms + corrections;
+  for (const int p : added.wanted_of_terms) columns.col(terms + p) = all.col(from++);
+  for (const int p : added.wanted_of_corrections)
+    columns.col(after + corrections + p) = all.col(from++);
+  return columns;
 }
 
 }  // namespace
@@ -114,23 +122,16 @@ Expected<Screen> screen_field(const FieldFit& fit, const FieldData& data,
   std::optional<Error> error;
   unsigned long long draw = options.seed;
   const auto source = [&](const Gathering& gathering, Ground& ground, Eigen::MatrixXd& columns) {
-    const auto added =
-        term_columns(fit, data, gathering.added_terms(), fields_of(gathering), threads);
-    if (!added) {
-      error = added.error();
+    const Added added{gathering.added_terms(), fields_of(gathering), gathering.added_corrections(),
+                      gathering.asked_of_terms(), gathering.asked_of_corrections()};
+    const auto rows = added_columns(fit, data, added, threads);
+    if (!rows) {
+      error = rows.error();
       return false;
     }
-    const auto corrected = correction_columns(fit, data, gathering.added_corrections(), threads);
-    if (!corrected) {
-      error = corrected.error();
-      return false;
-    }
-    const Eigen::MatrixXd all = reduced(fit, gathering, *added, *corrected);
-    columns = all.leftCols(all.cols() - 1);
-    std::vector<Eigen::Index> free = free_columns(fit.at.fit);
-    for (Eigen::Index& c : free)
-      if (c >= gathering.base_term_count()) c += gathering.added_term_count();
-    ground.own = range_basis(columns(Eigen::indexing::all, free));
+    const Eigen::MatrixXd all = reduced(fit, *rows);
+    columns = in_order(all, gathering, added);
+    ground.own = range_basis(all(Eigen::indexing::all, free_columns(fit.at.fit)));
     ground.left = all.rightCols(1);
     Normal normal(draw++);
     ground.twins.resize(all.rows(), options.null_twins);

@@ -146,4 +146,61 @@ AssemblyStatus ElementGroup<Elements, Z>::carry_change(const double* x, const do
       });
 }
 
+/// Positions do not move, so that a term's state changes with its own parameters alone.
+template <class Elements, int Z>
+AssemblyStatus ElementGroup<Elements, Z>::take_held_step(const double* x, const double* parameters,
+                                                         const std::vector<Eigen::Index>& columns,
+                                                         History& history, Eigen::MatrixXd& change,
+                                                         Eigen::MatrixXd& force) const {
+  const Eigen::Index elements = elements_.count();
+  std::vector<double> stress(columns.size() * kMaxStrains * kChunk);
+  return each_remembering(
+      x, history, [&](const GroupTerm& term, Chunk& chunk, LawBatch& batch, int first, int count) {
+        const Law& law = *term.law;
+        const int strains = law.strain_count(), states = law.state_count();
+        const auto own = [&](std::size_t c) {
+          const auto p = static_cast<int>(columns[c]) - term.first_parameter;
+          return p < law.parameter_count() ? p : -1;
+        };
+        const double* own_parameters = parameters + term.first_parameter;
+        double strain[kMaxStrains], state[kMaxLawState], before[kMaxLawState];
+        LawOutput out;
+        for (int e = 0; e < count; ++e) {
+          for (int i = 0; i < strains; ++i) strain[i] = batch.strain[i][e];
+          for (int s = 0; s < states; ++s) state[s] = batch.state[s][e];
+          law.clear(out);
+          law.evaluate({strain, own_parameters, state, batch.duration_s, false}, out);
+          const Eigen::Index at = term.first_state + first + e;
+          for (std::size_t c = 0; c < columns.size(); ++c) {
+            const int p = own(c);
+            if (p < 0) continue;
+            double* dh = change.col(static_cast<Eigen::Index>(c)).data() + at;
+            for (int s = 0; s < states; ++s) before[s] = dh[s * elements];
+            for (int i = 0; i < strains; ++i) {
+              double sum = out.stress_by_parameter[i][p];
+              for (int s = 0; s < states; ++s) sum += out.stress_by_state[i][s] * before[s];
+              stress[(c * kMaxStrains + static_cast<std::size_t>(i)) * kChunk +
+                     static_cast<std::size_t>(e)] = sum;
+            }
+            for (int s = 0; s < states; ++s) {
+              double sum = out.state_by_parameter[s][p];
+              for (int r = 0; r < states; ++r) sum += out.state_by_state[s][r] * before[r];
+              dh[s * elements] = sum;
+            }
+          }
+          for (int s = 0; s < states; ++s) history.state[at + s * elements] = out.state[s];
+        }
+        for (std::size_t c = 0; c < columns.size(); ++c) {
+          if (own(c) < 0) continue;
+          for (int i = 0; i < strains; ++i)
+            batch.stress[i] =
+                stress.data() + (c * kMaxStrains + static_cast<std::size_t>(i)) * kChunk;
+          double psi_z[Z * kChunk] = {};
+          term.strain->chain(chunk.z, first, batch, term.measure.data() + first, psi_z, nullptr);
+          add_gradient(elements_, x, first, count, psi_z,
+                       force.col(static_cast<Eigen::Index>(c)).data());
+        }
+      });
+}
+
 }  // namespace tenter::mechanics

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MeshModel's functions of the history: history.h.
+// MeshModel's functions of the history: history.h, held_step.h.
 #include <algorithm>
 
 #include "server/mechanics/assembly/group.h"
+#include "server/mechanics/assembly/history/held_step.h"
 
 namespace tenter::mechanics {
 
@@ -88,6 +89,19 @@ AssemblyStatus MeshModel::carry_history_change(const Eigen::VectorXd& x,
     if (status != AssemblyStatus::ok) return status;
   }
   return change.allFinite() ? AssemblyStatus::ok : AssemblyStatus::not_finite;
+}
+
+AssemblyStatus take_held_step(const MeshModel& model, const Eigen::VectorXd& x,
+                              const Eigen::VectorXd& parameters,
+                              const std::vector<Eigen::Index>& columns, History& history,
+                              Eigen::MatrixXd& change, Eigen::MatrixXd& force) {
+  for (const auto& group : MeshModel::Group::of(model)) {
+    const AssemblyStatus status =
+        group->take_held_step(x.data(), parameters.data(), columns, history, change, force);
+    if (status != AssemblyStatus::ok) return status;
+  }
+  const bool is_finite = force.allFinite() && change.allFinite() && history.state.allFinite();
+  return is_finite ? AssemblyStatus::ok : AssemblyStatus::not_finite;
 }
 
 }  // namespace tenter::mechanics

@@ -6,14 +6,13 @@
 #include "common/model/presets.h"
 #include "server/diagnosis/verdict_words.h"
 #include "server/estimation/prediction.h"
+#include "server/estimation/sequences/material/material_locator.h"
 #include "server/estimation/sequences/sequence_evaluator.h"
 #include "tests/twin/fabrics/sequences/rig_noise.h"
 #include "tests/twin/fabrics/sequences/sequence_of.h"
 
 namespace tenter::testing {
 namespace {
-
-constexpr int kCells = 8;
 
 /// Pulled a little further than noise, not so far that the measures of strain part.
 twin::Fabric small_fabric() {
@@ -50,6 +49,39 @@ void measure(const model::Model& truth, estimation::Sequence& sequence) {
     sequence.frames[f].start = evaluator->states()[0][f];
 }
 
+/// The protocol on a grid of `times` cells for one, seen at the nodes of the coarse one.
+estimation::Sequence on_grid(const twin::Protocol& protocol, const SheetTruth& truth, int times) {
+  twin::GridOptions grid;
+  grid.nodes = truth.cells + 1;
+  const auto coarse = twin::sequence_of(small_fabric(), protocol, grid);
+  for (const auto& point : coarse.points) grid.points_m.push_back(point.material_m);
+  grid.nodes = times * truth.cells + 1;
+  grid.force_sigma_N *= truth.load_cells;
+  estimation::Sequence sequence = twin::sequence_of(small_fabric(), protocol, grid);
+  for (std::size_t k = 0; k < sequence.forces.size(); ++k)
+    sequence.forces[k].name = protocol.name + "_" + std::to_string(k + 1);
+  if (truth.two_rates)
+    for (std::size_t f = 1; f < sequence.frames.size(); ++f)
+      sequence.frames[f].duration_s = sequence.frames[f].block < 2 ? 1.0 : 10.0;
+  return sequence;
+}
+
+/// What `from` measured, on another grid: each frame starts where that one came to rest.
+void take_measured(const estimation::Sequence& from, estimation::Sequence& to) {
+  const estimation::MaterialLocator locator(from.cloth.mesh);
+  for (std::size_t f = 0; f < to.frames.size(); ++f) {
+    estimation::SequenceFrame& frame = to.frames[f];
+    frame.points_m = from.frames[f].points_m;
+    frame.forces_N = from.frames[f].forces_N;
+    mechanics::State start = *from.frames[f].start;
+    start.x.resize(3 * static_cast<Eigen::Index>(to.cloth.mesh.node_count()));
+    for (Eigen::Index n = 0; n < to.cloth.mesh.node_count(); ++n)
+      start.x.segment<3>(3 * n) =
+          locator.locate(to.cloth.mesh.material_m.col(n))->position(from.frames[f].start->x);
+    frame.start = std::move(start);
+  }
+}
+
 }  // namespace
 
 model::Model compliant_cloth() {
@@ -66,14 +98,12 @@ diagnosis::SheetRequest sheets_of(const SheetTruth& truth, const model::Model& b
   const twin::Fabric fabric = small_fabric();
   for (const std::string& name : truth.protocols) {
     const twin::Protocol protocol =
-        twin::make_protocol(fabric, name, {.frames = truth.frames, .cells = kCells});
-    estimation::Sequence sequence = twin::sequence_of(fabric, protocol, {.nodes = kCells + 1});
-    for (std::size_t k = 0; k < sequence.forces.size(); ++k)
-      sequence.forces[k].name = name + "_" + std::to_string(k + 1);
-    if (truth.two_rates)
-      for (std::size_t f = 1; f < sequence.frames.size(); ++f)
-        sequence.frames[f].duration_s = sequence.frames[f].block < 2 ? 1.0 : 10.0;
-    measure(truth.model, sequence);
+        twin::make_protocol(fabric, name, {.frames = truth.frames, .cells = truth.cells});
+    estimation::Sequence true_one = on_grid(protocol, truth, truth.fineness);
+    if (truth.otherwise) truth.otherwise(true_one);
+    measure(truth.model, true_one);
+    estimation::Sequence sequence = on_grid(protocol, truth, truth.fit_fineness);
+    take_measured(true_one, sequence);
     twin::Random random(twin::stream_seed(truth.seed, name));
     const auto scale = [&](double factor) {
       for (auto& point : sequence.points) point.sigma_m *= factor;
@@ -84,6 +114,14 @@ diagnosis::SheetRequest sheets_of(const SheetTruth& truth, const model::Model& b
     scale(1.0 / truth.noise);
     request.sequences.push_back(
         {"sha-" + name, name, estimation::Role::evaluation, std::move(sequence)});
+    if (!truth.has_finer) continue;
+    estimation::Sequence finer = on_grid(protocol, truth, 2 * truth.fit_fineness);
+    take_measured(true_one, finer);
+    for (std::size_t f = 0; f < finer.frames.size(); ++f) {  // with the noise
+      finer.frames[f].points_m = request.sequences.back().sequence.frames[f].points_m;
+      finer.frames[f].forces_N = request.sequences.back().sequence.frames[f].forces_N;
+    }
+    request.sequences.back().finer = std::move(finer);
   }
   return request;
 }
@@ -95,6 +133,22 @@ std::string in_lines(const std::vector<diagnosis::Verdict>& verdicts) {
     for (const std::string& other : v.alternatives) lines += " | " + other;
     lines += "\n";
   }
+  return lines;
+}
+
+std::string in_lines(const diagnosis::SheetDiagnosis& d) {
+  std::string lines = in_lines(d.verdicts);
+  for (const diagnosis::PathStep& step : d.path)
+    lines += "  " + step.action + " " + step.effect + ": " + step.why +
+             ", chi2 = " + std::to_string(step.chi2) + "\n";
+  for (std::size_t k = 0; k < d.first_screen.table.size() && k < 5; ++k) {
+    const diagnosis::ScreenRow& row = d.first_screen.table[k];
+    lines += "  screen " + row.effect->id + ": " + std::to_string(row.ratio) + "\n";
+  }
+  lines += "  lack of fit " + std::to_string(d.first_screen.lack_of_fit) + ", expected chi2 " +
+           std::to_string(d.first_screen.expected_chi2) + "\n";
+  for (const auto& item : d.checklist)
+    lines += "  " + item.level + " " + item.what + ": " + item.why + "\n";
   return lines;
 }
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Small sheets with a hidden truth, as a diagnosis takes them: the truth walked along a protocol on
-// the fit's own grid, and the rig's noise.
+// the fit's own grid or a finer one, and the rig's noise.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "server/diagnosis/field/data/sheet_request.h"
+#include "server/diagnosis/field/diagnose_sheet.h"
 
 namespace tenter::testing {
 
@@ -14,7 +15,14 @@ struct SheetTruth {
   model::Model model;  ///< its values are the truth
   std::vector<std::string> protocols = {"stretch_u", "stretch_v", "shear"};
   int frames = 18;
-  double noise = 1.0;      ///< times what the sequence states
+  double noise = 1.0;       ///< times what the sequence states
+  double load_cells = 1.0;  ///< noise and sigma of forces, times the rig's
+  int cells = 8;            ///< of the protocol's lattice, a side, at whose nodes points are seen
+  int fineness = 1;         ///< cells of the truth for one of these, along a side
+  int fit_fineness = 1;     ///< and of the fit
+  bool has_finer = false;   ///< the request comes with grids of half the spacing
+  /// What is otherwise than the capture says while it is measured: masses, say.
+  std::function<void(estimation::Sequence&)> otherwise = nullptr;
   bool two_rates = false;  ///< a clock: the first loop at one frame a second, later ones slower
   unsigned seed = 1;
 };
@@ -25,7 +33,8 @@ model::Model compliant_cloth();
 /// A request to diagnose `baseline` on what the truth shows. Fails the test where that has no rest.
 diagnosis::SheetRequest sheets_of(const SheetTruth& truth, const model::Model& baseline);
 
-/// Verdicts in lines, for messages.
+/// Verdicts in lines, for messages; then what was tried, and the checklist.
 std::string in_lines(const std::vector<diagnosis::Verdict>& verdicts);
+std::string in_lines(const diagnosis::SheetDiagnosis& d);
 
 }  // namespace tenter::testing

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/mechanics/assembly/history/held_step.h"
 #include "server/mechanics/material_point.h"
 #include "tests/server/mechanics/assembly/solid_bodies.h"
 #include "tests/server/mechanics/elements/element_checks.h"
@@ -106,6 +107,39 @@ void check_step(const MeshModel& model, const Eigen::VectorXd& parameters, const
   }
   by_start.judge(1e-7);
   carried.judge(1e-7);
+}
+
+/// One pass over the elements says what the four functions say that each make one.
+void check_held_steps(const MeshModel& model, const Eigen::VectorXd& parameters,
+                      const Eigen::VectorXd& x, double by_m) {
+  const std::vector<Eigen::Index> columns = {parameters.size() - 4, parameters.size() - 1};
+  History history = with_a_past(model, parameters, x, by_m), held = history;
+  Eigen::MatrixXd change = Eigen::MatrixXd::Zero(model.history_count(), 2), held_change = change;
+  const Eigen::MatrixXd still = Eigen::MatrixXd::Zero(x.size(), 2);
+  for (const unsigned seed : {3U, 4U}) {
+    const Eigen::VectorXd at = shaken(x, by_m, seed);
+    Eigen::MatrixXd all, held_force = still;
+    ASSERT_EQ(model.gradient_by_parameter(at, parameters, all, nullptr, &history),
+              AssemblyStatus::ok);
+    Eigen::MatrixXd force = all(Eigen::indexing::all, columns);
+    ASSERT_EQ(model.add_gradient_by_history(at, parameters, history, change, force),
+              AssemblyStatus::ok);
+    ASSERT_EQ(model.carry_history_change(at, parameters, history, still, columns, change),
+              AssemblyStatus::ok);
+    ASSERT_EQ(model.end_of_step(at, parameters, history, history.state), AssemblyStatus::ok);
+    ASSERT_EQ(take_held_step(model, at, parameters, columns, held, held_change, held_force),
+              AssemblyStatus::ok);
+    ASSERT_GT(force.col(0).norm(), 0.0);
+    ASSERT_GT(change.col(1).norm(), 0.0);
+    EXPECT_LT((held_force - force).norm(), 1e-12 * force.norm());
+    EXPECT_LT((held_change - change).norm(), 1e-12 * change.norm());
+    EXPECT_LT((held.state - history.state).norm(), 1e-12 * history.state.norm());
+  }
+}
+
+TEST(HistoryOfAMesh, StepsOfWhatIsHeldAreThoseOfTheFourFunctions) {
+  const HeldSheet sheet(7, testing::rubbing_cloth());
+  check_held_steps(sheet.model, sheet.parameters, shaken(sheet.start.x, 1e-3, 9), 4e-4);
 }
 
 TEST(HistoryOfAMesh, DerivativesOfAStepOfCloth) {

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What only sheets show, each hidden in data: named, or in a group that says so.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <utility>
+
+#include "server/diagnosis/field/diagnose_sheet.h"
+#include "tests/server/diagnosis/field/sheet_of.h"
+
+namespace tenter::diagnosis {
+namespace {
+
+using testing::compliant_cloth;
+using testing::in_lines;
+using testing::sheets_of;
+using testing::SheetTruth;
+
+SheetDiagnosis diagnosed(const SheetRequest& request) {
+  Control control;
+  control.threads = 2;
+  auto found = diagnose_sheets(request, control);
+  EXPECT_TRUE(found) << (found ? "" : found.error().message);
+  return found ? std::move(*found) : SheetDiagnosis{};
+}
+
+const Verdict& first(const SheetDiagnosis& d) {
+  static const Verdict none;
+  EXPECT_FALSE(d.verdicts.empty());
+  return d.verdicts.empty() ? none : d.verdicts.front();
+}
+
+bool is_name(const Verdict& verdict) {
+  return verdict.kind == VerdictKind::named || verdict.kind == VerdictKind::sensor ||
+         verdict.kind == VerdictKind::ambiguous;
+}
+
+/// Of its verdicts the first names `effect`, alone or in a group of three at most, and no other
+/// names anything.
+void expect_found(const SheetDiagnosis& d, const std::string& effect) {
+  const Verdict& verdict = first(d);
+  EXPECT_TRUE(is_name(verdict)) << in_lines(d);
+  const bool is_held = verdict.effect == effect ||
+                       std::count(verdict.alternatives.begin(), verdict.alternatives.end(), effect);
+  EXPECT_TRUE(is_held) << in_lines(d);
+  EXPECT_LE(verdict.alternatives.size(), 2U) << in_lines(d);
+  EXPECT_EQ(std::count_if(d.verdicts.begin(), d.verdicts.end(), is_name), 1) << in_lines(d);
+}
+
+TEST(SheetTwins, ASpecimenThatCurlsIsFound) {
+  SheetTruth truth{
+      .model = compliant_cloth(), .protocols = {"bend_u", "bend_v", "stretch_u"}, .frames = 10};
+  truth.model.terms.push_back(new_term(truth.model, "curl", "bend_u", 0.0, "constant_stress"));
+  set_parameter(truth.model.terms.back().law, "c", 2e-4);
+  expect_found(diagnosed(sheets_of(truth, compliant_cloth())), "rest_shape");
+}
+
+/// A seam: nearly twice as stiff along the warp in a patch that no sample of the catalogue lies in.
+TEST(SheetTwins, APatchOfOtherStiffnessIsFound) {
+  SheetTruth truth{.model = compliant_cloth(), .frames = 12};
+  model::Field field;
+  field.id = "seam";
+  field.width_m = 0.012;
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i)
+      for (const double place_m : {0.01 + 0.025 * i, 0.015 + 0.025 * j})
+        field.positions_m.push_back(place_m);
+  truth.model.fields.push_back(field);
+  truth.model.terms.push_back(new_term(truth.model, "seam", "green_v", 0.0, "linear"));
+  truth.model.terms.back().support = {"rbf", "seam", 6};
+  set_parameter(truth.model.terms.back().law, "k", 40.0);
+  expect_found(diagnosed(sheets_of(truth, compliant_cloth())), "heterogeneity");
+}
+
+/// Between two captures the cameras were touched.
+TEST(SheetTwins, CamerasThatMovedAreFound) {
+  const SheetTruth truth{.model = compliant_cloth(), .frames = 12};
+  SheetRequest request = sheets_of(truth, compliant_cloth());
+  const Eigen::Matrix3d turn(Eigen::AngleAxisd(5e-3, Eigen::Vector3d(0.2, 0.3, 1.0).normalized()));
+  for (auto& frame : request.sequences[1].sequence.frames)
+    frame.points_m = (turn * frame.points_m).colwise() + Eigen::Vector3d(2e-4, 0.0, -1e-4);
+  const SheetDiagnosis d = diagnosed(request);
+  expect_found(d, "camera_pose");
+  EXPECT_EQ(first(d).kind, VerdictKind::sensor) << in_lines(d);
+}
+
+/// What hides a point draws its neighbours towards the camera by a third of a millimetre.
+TEST(SheetTwins, PointsDrawnToWhatHidesTheirNeighboursAreFound) {
+  const SheetTruth truth{.model = compliant_cloth(), .frames = 12};
+  SheetRequest request = sheets_of(truth, compliant_cloth());
+  std::mt19937 engine(4);
+  for (SheetSequence& s : request.sequences) {
+    const auto points = static_cast<Eigen::Index>(s.sequence.points.size());
+    for (auto& frame : s.sequence.frames) {
+      for (int k = 0; k < 3; ++k) {
+        const auto hidden = static_cast<Eigen::Index>(engine() % static_cast<unsigned>(points));
+        const Eigen::Vector2d place =
+            s.sequence.points[static_cast<std::size_t>(hidden)].material_m;
+        for (Eigen::Index p = 0; p < points; ++p) {
+          const double away =
+              (s.sequence.points[static_cast<std::size_t>(p)].material_m - place).norm();
+          if (away < 0.019) frame.points_m(2, p) += 3e-4;  // the eight around, at 12.5 mm
+        }
+        frame.points_m.col(hidden).setConstant(std::nan(""));
+      }
+    }
+  }
+  const SheetDiagnosis d = diagnosed(request);
+  expect_found(d, "occlusion_bias");
+  EXPECT_EQ(first(d).kind, VerdictKind::sensor) << in_lines(d);
+}
+
+/// The sheet was weighed with something on it: it weighs two thirds of what the capture says.
+TEST(SheetTwins, AMassThatIsWrongIsFound) {
+  const SheetTruth truth{
+      .model = compliant_cloth(),
+      .protocols = {"stretch_u", "stretch_v", "bend_u"},
+      .frames = 12,
+      .otherwise = [](estimation::Sequence& sequence) { sequence.loads.node_mass_kg *= 0.67; }};
+  // what these captures do not determine is known
+  model::Model baseline = compliant_cloth();
+  for (const std::size_t t : {2, 4, 5}) baseline.terms[t].law.parameters[0].fixed = true;
+  expect_found(diagnosed(sheets_of(truth, baseline)), "wrong_mass");
+}
+
+/// The same sheet, measured once: a grid of 8 cells is stiffer than it by more than the noise, one
+/// of its own fineness is not, and needs no name for what the coarse one missed.
+TEST(SheetTwins, AGridThatIsTooCoarseIsNoMaterial) {
+  SheetTruth truth{.model = compliant_cloth(),
+                   .protocols = {"stretch_u", "shear"},
+                   .frames = 10,
+                   .load_cells = 0.5,
+                   .fineness = 4,
+                   .has_finer = true};
+  const SheetDiagnosis coarse = diagnosed(sheets_of(truth, compliant_cloth()));
+  EXPECT_EQ(first(coarse).kind, VerdictKind::numerical) << in_lines(coarse);
+  EXPECT_EQ(first(coarse).effect, "mesh_resolution");
+  EXPECT_EQ(std::count_if(coarse.verdicts.begin(), coarse.verdicts.end(), is_name), 0)
+      << in_lines(coarse);
+  truth.fit_fineness = truth.fineness;
+  truth.has_finer = false;
+  const SheetDiagnosis fine = diagnosed(sheets_of(truth, compliant_cloth()));
+  EXPECT_EQ(std::count_if(
+                fine.verdicts.begin(), fine.verdicts.end(),
+                [](const Verdict& v) { return is_name(v) || v.kind == VerdictKind::numerical; }),
+            0)
+      << in_lines(fine);
+}
+
+}  // namespace
+}  // namespace tenter::diagnosis

@@ -18,11 +18,48 @@ namespace {
 constexpr double kMost = 0.5;        // of what was missed: then the grid is to blame
 constexpr double kWorthAWord = 0.1;  // of the noise's power
 
-/// What was asked of a fitted sequence that comes with a finer one; none.
-const SheetSequence* finer_of(const SheetRequest& request, const std::string& id) {
+/// What was asked of a sequence that comes with a finer one; none.
+const SheetSequence* finer_of(const SheetRequest& request, const std::string& id, bool held_out) {
   for (const SheetSequence& s : request.sequences)
-    if (s.id == id && !s.held_out && s.finer) return &s;
+    if (s.id == id && s.held_out == held_out && s.finer) return &s;
   return nullptr;
+}
+
+/// Takes the grid's error off those sequences of `data` that come with finer ones, which rest where
+/// `fit` has them; false where there are none. `sigmas`: the largest error of forces.
+Expected<bool> take_off(const SheetRequest& request, const Control& control, bool held_out,
+                        const model::Model& model, const FieldStates& states, FieldData& data,
+                        double& sigmas) {
+  bool has_any = false;
+  for (std::size_t s = 0; s < data.sequences.size(); ++s) {
+    const SheetSequence* asked = finer_of(request, data.ids[s], held_out);
+    // frames that were left out would have to be left out there too: such a capture stays as it is
+    if (asked == nullptr || asked->finer->frames.size() != data.sequences[s].frames.size())
+      continue;
+    if (control.stop.stop_requested())
+      return fail(ErrorKind::cancelled, "stopped while the grid was looked at");
+    control.report({"grid", data.sequences[s].name, 0, 0.0, 0.08});
+    estimation::Sequence coarse = data.sequences[s];
+    for (std::size_t f = 0; f < coarse.frames.size(); ++f) coarse.frames[f].start = states[s][f];
+    estimation::Sequence fine = *asked->finer;
+    estimation::measure_as(coarse, fine);
+    // the noise that was found, too: channels of both grids weigh alike
+    fine.points = coarse.points;
+    fine.forces = coarse.forces;
+    fine.scalars = coarse.scalars;
+    for (std::size_t f = 0; f < fine.frames.size(); ++f)
+      fine.frames[f].duration_s = coarse.frames[f].duration_s;
+    const auto error =
+        estimation::grid_error(model, coarse, fine,
+                               {.order = estimation::order_of(coarse, asked->is_laid_for_clips),
+                                .threads = control.threads});
+    if (!error) return tl::unexpected(error.error());
+    const auto size = size_of(*error, coarse, estimation::ObservationKind::force);
+    sigmas = std::max(sigmas, size.sigmas);
+    data.sequences[s] = without_grid_error(std::move(coarse), *error);
+    has_any = true;
+  }
+  return has_any;
 }
 
 Verdict numerical_verdict(double share, double missed, const FieldSize& size, double sigmas) {
@@ -51,33 +88,10 @@ Verdict numerical_verdict(double share, double missed, const FieldSize& size, do
 Expected<void> check_grid(const SheetRequest& request, const Control& control, SheetDiagnosis& d) {
   FieldData free_of_grid = d.data;
   double sigmas = 0.0;
-  bool has_any = false;
-  for (std::size_t s = 0; s < d.data.sequences.size(); ++s) {
-    const SheetSequence* asked = finer_of(request, d.data.ids[s]);
-    // frames that were left out would have to be left out there too: such a capture stays as it is
-    if (asked == nullptr || asked->finer->frames.size() != d.data.sequences[s].frames.size())
-      continue;
-    if (control.stop.stop_requested())
-      return fail(ErrorKind::cancelled, "stopped while the grid was looked at");
-    control.report({"grid", d.data.sequences[s].name, 0, d.baseline.at.fit.chi2, 0.08});
-    estimation::Sequence coarse = d.data.sequences[s];
-    for (std::size_t f = 0; f < coarse.frames.size(); ++f)
-      coarse.frames[f].start = d.baseline.states[s][f];
-    estimation::Sequence fine = *asked->finer;
-    estimation::measure_as(coarse, fine);
-    for (std::size_t f = 0; f < fine.frames.size(); ++f)
-      fine.frames[f].duration_s = coarse.frames[f].duration_s;
-    const auto error =
-        estimation::grid_error(d.baseline.at.model, coarse, fine,
-                               {.order = estimation::order_of(coarse, asked->is_laid_for_clips),
-                                .threads = control.threads});
-    if (!error) return tl::unexpected(error.error());
-    const auto size = size_of(*error, coarse, estimation::ObservationKind::force);
-    sigmas = std::max(sigmas, size.sigmas);
-    free_of_grid.sequences[s] = without_grid_error(std::move(coarse), *error);
-    has_any = true;
-  }
-  if (!has_any) return {};
+  const auto has_any = take_off(request, control, false, d.baseline.at.model, d.baseline.states,
+                                free_of_grid, sigmas);
+  if (!has_any) return tl::unexpected(has_any.error());
+  if (!*has_any) return {};
   auto refitted =
       fit_field(d.baseline.at.model, free_of_grid, d.baseline.states, field_options(control));
   if (!refitted) return tl::unexpected(refitted.error());
@@ -101,6 +115,16 @@ Expected<void> check_grid(const SheetRequest& request, const Control& control, S
         sigmas));
   d.data = std::move(free_of_grid);
   d.baseline = std::move(*refitted);
+  if (d.held_out.sequences.empty()) return {};
+  // what no fit saw is judged by the same baseline, on readings without the grid's error, too
+  double of_held_out = 0.0;
+  const auto has_held_out = take_off(request, control, true, d.baseline.at.model,
+                                     d.held_out_baseline.states, d.held_out, of_held_out);
+  if (!has_held_out) return tl::unexpected(has_held_out.error());
+  auto foretold = predict_field(d.baseline.at.model, d.held_out, d.held_out_baseline.states,
+                                field_options(control));
+  if (!foretold) return tl::unexpected(foretold.error());
+  d.held_out_baseline = std::move(*foretold);
   return {};
 }
 

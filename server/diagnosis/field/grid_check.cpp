@@ -52,6 +52,7 @@ Expected<bool> take_off(const SheetRequest& request, const Control& control, boo
     const auto error =
         estimation::grid_error(model, coarse, fine,
                                {.order = estimation::order_of(coarse, asked->is_laid_for_clips),
+                                .of_positions = true,
                                 .threads = control.threads});
     if (!error) return tl::unexpected(error.error());
     const auto size = size_of(*error, coarse, estimation::ObservationKind::force);

@@ -14,11 +14,11 @@ namespace {
 constexpr double kTolerance = 0.04;  // of sizes
 
 Fabric draw_fabric(Random choices, SheetBaseline baseline) {
-  const double k = 60.0 * choices.log_uniform(0.5, 20.0);
+  const double k = 60.0 * choices.log_uniform(1.5, 30.0);
   const auto about = [&](double value) { return value * choices.uniform(0.7, 1.3); };
   const auto constant = [](double value) { return StiffnessCurve{0.0, 0.0, {value}}; };
   // stiff enough to stay without wrinkles at the frame's corners, which no coarse grid shows
-  const double bend = choices.log_uniform(1e-4, 4e-4);
+  const double bend = choices.log_uniform(4e-5, 1.2e-4);
   Fabric fabric;
   fabric.id = "drawn";
   fabric.name = "drawn";

@@ -21,9 +21,12 @@ std::vector<SheetTruth> moved(const SheetTruth& plain, SheetBaseline baseline) {
     truth.fabric.hidden.coupling_N_m += step * coupling;
     return truth;
   };
+  SheetTruth stiffer = plain;  // in bending, all of it
+  for (std::size_t m = 3; m < stiffer.fabric.curves.size(); ++m)
+    stiffer.fabric.curves[m].k[0] *= 1.0 + 10.0 * kStep;
   if (baseline == SheetBaseline::isotropic)  // lambda, mu
-    return {with(1, 1, 0, 1), with(2, 2, 1, 0)};
-  return {with(1, 0, 0, 0), with(0, 1, 0, 0), with(0, 0, 1, 0)};
+    return {with(1, 1, 0, 1), with(2, 2, 1, 0), stiffer};
+  return {with(1, 0, 0, 0), with(0, 1, 0, 0), with(0, 0, 1, 0), stiffer};
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace tenter::twin {
 namespace {
 
-constexpr double kTaut = 0.06;  // share of the way that keeps a sheet from hanging through
+constexpr double kTaut = 0.12;  // share of the way that keeps a sheet from hanging through
 
 /// What clips do to the sheet, as shares of its limits.
 struct Place {
@@ -85,7 +85,7 @@ SheetPlan pull(const Fabric& fabric, bool along_u, bool two_rates, int cells, Ra
   const auto at = [&](double share) { return along_u ? Place{share, 0.0} : Place{0.0, share}; };
   Walk walk(fabric, std::move(plan), cells, at(kTaut), choices);
   const double slower = two_rates ? 10.0 : 1.0;
-  const double small = choices.uniform(0.5, 0.65), low = choices.uniform(0.12, 0.25);
+  const double small = choices.uniform(0.5, 0.65), low = choices.uniform(0.15, 0.25);
   walk.go({at(small), 4.0 * small, 3}, 0);
   walk.go({at(low), 4.0 * (small - low), 2}, 1);
   walk.go({at(1.0), 4.0 * slower * (1.0 - low), 4}, 2);

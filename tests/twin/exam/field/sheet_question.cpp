@@ -77,7 +77,6 @@ model::Model baseline_of(const twin::SheetTwins& twins) {
   for (std::size_t t = 0; t < model.terms.size(); ++t) {
     model::Parameter& k = model.terms[t].law.parameters.front();
     k.value = t < membranes ? twins.guess_k_N_m : twins.stated.curves[t].stiffness(0.0);
-    k.fixed = t >= membranes;
   }
   if (twins.baseline == twin::SheetBaseline::isotropic) {
     const model::Model isotropic = model::preset("stvk_isotropic").value();

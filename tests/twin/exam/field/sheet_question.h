@@ -8,7 +8,7 @@
 namespace tenter::exam {
 
 /// Sequences on the suite's grid with what was read and stated, and the model that the twin is held
-/// against: stiffnesses of membranes free and not where they should be, those of bending fixed.
+/// against: stiffnesses of membranes start where they should not be, those of bending at the truth.
 diagnosis::SheetRequest request_of(const twin::SheetTwins& twins);
 
 }  // namespace tenter::exam

@@ -119,6 +119,8 @@ TEST(HiddenLaws, StressIsTheSlopeOfTheEnergyAndTangentOfTheStress) {
   for (int trial = 0; trial < 30; ++trial) {
     const Eigen::Vector3d to(random.uniform(-0.01, 0.06), random.uniform(-0.01, 0.06),
                              random.uniform(-0.1, 0.1));
+    // friction has a kink where it turns: no difference may reach over it
+    if ((to - from).cwiseAbs().minCoeff() < 1e-5) continue;
     const auto at = [&](const Eigen::Vector3d& e) {
       return hidden_at(laws, history, from, e, kBoth, 0.7);
     };

@@ -31,7 +31,7 @@ std::vector<Entry> sit_and_show(const Paper& paper, const std::string& name) {
 TEST(ExamOfSheets, NamesWhatHidesAndNothingWhereNothingDoes) {
   Paper paper;
   paper.suites = {"sheet_field"};
-  paper.effects = {"internal_friction", "load_cell_gain"};
+  paper.effects = {"nonlinear_stiffness", "poisson_coupling"};
   paper.sizes = {3.0};
   paper.seeds = 1;
   paper.nulls = 1;

@@ -40,8 +40,8 @@ TEST(ExamOfSheets, NamesWhatHidesAndNothingWhereNothingDoes) {
   ASSERT_EQ(entries.size(), 3U);
   for (const Entry& entry : entries) {
     EXPECT_EQ(entry.mark.grade, Grade::right) << entry.question.name();
-    if (entry.question.kind == Kind::effect)
-      EXPECT_TRUE(entry.mark.certain) << entry.question.name();
+    const bool hides = entry.question.kind == Kind::effect;
+    EXPECT_EQ(entry.mark.certain, hides) << entry.question.name();
   }
 }
 

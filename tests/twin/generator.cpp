@@ -2,7 +2,6 @@
 #include "tests/twin/generator.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <iomanip>
@@ -15,9 +14,6 @@
 
 namespace tenter::twin {
 namespace {
-
-constexpr double kSizeTolerance = 0.002;
-constexpr int kMostTrials = 25;
 
 Cloth draw_cloth(Random choices, Baseline baseline) {
   const auto about = [&choices](double value) { return value * choices.uniform(0.7, 1.3); };
@@ -48,28 +44,6 @@ std::string notes_on(const TwinCase& twin_case, const std::vector<Hidden>& hidde
   }
   words << "suite " << twin_case.suite << ", seed " << twin_case.seed;
   return words.str();
-}
-
-/// Amplitude at which the effect, alone, has the wanted size: fixed-point steps in the logarithm
-/// with the secant's slope (the size is nearly a power of the amplitude).
-template <class SizeOf>
-std::array<double, 2> find_amplitude(double first_guess, double largest, double wanted,
-                                     SizeOf size_of) {
-  double amplitude = std::min(first_guess, largest);
-  double size = size_of(amplitude);
-  double slope = 1.0;
-  for (int i = 0; i < kMostTrials && size > 0.0; ++i) {
-    if (std::abs(size / wanted - 1.0) < kSizeTolerance) break;
-    const double factor = std::clamp(std::pow(wanted / size, 1.0 / slope), 0.05, 20.0);
-    const double next = std::min(amplitude * factor, largest);
-    if (next == amplitude) break;
-    const double next_size = size_of(next);
-    if (next_size > 0.0)
-      slope = std::clamp(std::log(next_size / size) / std::log(next / amplitude), 0.3, 3.0);
-    amplitude = next;
-    size = next_size;
-  }
-  return {amplitude, size};
 }
 
 }  // namespace

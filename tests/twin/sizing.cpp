@@ -123,4 +123,23 @@ double Ruler::size_of(const Truth& truth) const {
   return std::sqrt(dot(added, added) / static_cast<double>(added.size()));
 }
 
+Sized find_amplitude(double first_guess, double largest, double wanted,
+                     const std::function<double(double)>& size_of, double tolerance) {
+  constexpr int kMostTrials = 25;
+  Sized at{std::min(first_guess, largest), 0.0};
+  at.size = size_of(at.amplitude);
+  double slope = 1.0;
+  for (int i = 0; i < kMostTrials && at.size > 0.0; ++i) {
+    if (std::abs(at.size / wanted - 1.0) < tolerance) break;
+    const double factor = std::clamp(std::pow(wanted / at.size, 1.0 / slope), 0.05, 20.0);
+    const double next = std::min(at.amplitude * factor, largest);
+    if (next == at.amplitude) break;
+    const double next_size = size_of(next);
+    if (next_size > 0.0)
+      slope = std::clamp(std::log(next_size / at.size) / std::log(next / at.amplitude), 0.3, 3.0);
+    at = {next, next_size};
+  }
+  return at;
+}
+
 }  // namespace tenter::twin

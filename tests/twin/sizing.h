@@ -7,6 +7,7 @@
 // baseline's parameters.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -58,5 +59,15 @@ class Ruler {
   std::vector<double> plain_;
   std::vector<std::vector<double>> span_;  ///< orthonormal
 };
+
+/// An amplitude and the size that it gives.
+struct Sized {
+  double amplitude = 0.0, size = 0.0;
+};
+/// The amplitude at which an effect has the wanted size, within `tolerance` of it: fixed-point
+/// steps in the logarithm with the secant's slope (the size is nearly a power of the amplitude). At
+/// most `largest`.
+Sized find_amplitude(double first_guess, double largest, double wanted,
+                     const std::function<double(double)>& size_of, double tolerance = 0.002);
 
 }  // namespace tenter::twin

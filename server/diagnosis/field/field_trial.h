@@ -25,8 +25,8 @@ struct HeldOutSheets {
 };
 
 /// Fills p_value, the held-out scores and the objections. What is left out: the sheets that are
-/// held out; else protocols, captures or blocks in turn, the first kind of which two folds can
-/// judge.
+/// held out where they speak for or against it; else protocols, captures or blocks in turn, the
+/// first kind of which two folds can judge.
 void judge_field(FieldTrial& trial, const FieldFit& before, const FieldData& data,
                  const HeldOutSheets& held_out, double expected_chi2,
                  const FieldFitOptions& options);

@@ -7,7 +7,9 @@
 
 #include "common/model/presets.h"
 #include "server/diagnosis/diagnose.h"
+#include "server/diagnosis/field/diagnose_sheet.h"
 #include "server/diagnosis/verdict_words.h"
+#include "tests/twin/exam/field/sheet_question.h"
 #include "tests/twin/exam/next_capture.h"
 #include "tests/twin/generator.h"
 
@@ -39,7 +41,9 @@ Said said_in(const diagnosis::Verdict& verdict) {
           verdict.size_hi};
 }
 
-void take_over(const diagnosis::Diagnosis& found, Answer& answer) {
+/// Of curves or of sheets.
+template <class Found>
+void take_over(const Found& found, Answer& answer) {
   for (const diagnosis::Verdict& verdict : found.verdicts) answer.said.push_back(said_in(verdict));
   for (const diagnosis::PathStep& step : found.path) answer.path.push_back(path_line(step));
   answer.noise_floor = found.noise_floor;
@@ -96,14 +100,15 @@ Expected<diagnosis::Diagnosis> diagnose_twin(twin::Twin twin,
 
 /// The same captures with a catalogue that knows only what hides: what the true model would have
 /// foretold, left out in the same way.
-void compare(const Question& question, const diagnosis::Diagnosis& found, twin::Twin twin,
+template <class Found, class Diagnose>
+void compare(const Question& question, const Found& found, const Diagnose& diagnose,
              Answer& answer) {
   if (!found.held_out_after) return;
   diagnosis::Options options;
   options.effects = question.truths;
   options.leave_out = found.held_out_kind;
   if (question.truths.empty()) options.max_effects = 0;
-  const auto truth = diagnose_twin(std::move(twin), options);
+  const auto truth = diagnose(options);
   if (truth && truth->held_out_after && truth->held_out_kind == found.held_out_kind)
     answer.held_out_truth = truth->held_out_after->error;
 }
@@ -134,29 +139,66 @@ void resolve(const Question& question, const diagnosis::Diagnosis& found, Answer
     answer.said_next.push_back(said_in(verdict));
 }
 
-}  // namespace
+void take_over_hidden(const std::vector<twin::Hidden>& all, Answer& answer) {
+  for (const twin::Hidden& hidden : all)
+    answer.achieved_size = &hidden == &all.front()
+                               ? hidden.achieved_size
+                               : std::min(answer.achieved_size, hidden.achieved_size);
+  if (all.size() == 1) answer.true_share = all.front().share_of_force;
+}
 
-Answer ask(const Question& question) {
+Answer ask_curves(const Question& question) {
   Answer answer;
-  const auto start = std::chrono::steady_clock::now();
   auto twin = twin::make_twin(question.twin);
   if (!twin) {
     answer.trouble = twin.error().message;
     return answer;
   }
-  for (const twin::Hidden& hidden : twin->hidden)
-    answer.achieved_size = &hidden == &twin->hidden.front()
-                               ? hidden.achieved_size
-                               : std::min(answer.achieved_size, hidden.achieved_size);
-  if (twin->hidden.size() == 1) answer.true_share = twin->hidden.front().share_of_force;
+  take_over_hidden(twin->hidden, answer);
   const auto found = diagnose_twin(*twin);
   if (found) {
     take_over(*found, answer);
-    if (question.compare) compare(question, *found, std::move(*twin), answer);
+    if (question.compare)
+      compare(
+          question, *found,
+          [&](const diagnosis::Options& options) { return diagnose_twin(*twin, options); }, answer);
     if (question.resolve) resolve(question, *found, answer);
   } else {
     answer.trouble = found.error().message;
   }
+  return answer;
+}
+
+/// What is proposed for sheets is words: nobody does it here.
+Answer ask_sheets(const Question& question) {
+  Answer answer;
+  const auto twins = twin::make_sheets(question.twin);
+  if (!twins) {
+    answer.trouble = twins.error().message;
+    return answer;
+  }
+  take_over_hidden(twins->hidden, answer);
+  const auto diagnose = [&](const diagnosis::Options& options) {
+    diagnosis::SheetRequest request = request_of(*twins);
+    request.options = options;
+    return diagnosis::diagnose_sheets(request, diagnosis::Control());
+  };
+  const auto found = diagnose({});
+  if (found) {
+    take_over(*found, answer);
+    if (question.compare) compare(question, *found, diagnose, answer);
+  } else {
+    answer.trouble = found.error().message;
+  }
+  return answer;
+}
+
+}  // namespace
+
+Answer ask(const Question& question) {
+  const auto start = std::chrono::steady_clock::now();
+  Answer answer =
+      twin::is_sheet_suite(question.twin.suite) ? ask_sheets(question) : ask_curves(question);
   answer.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return answer;
 }

@@ -157,5 +157,18 @@ TEST(Figures, ASilentDiagnosisMissesItsTarget) {
   EXPECT_FALSE(list.front().met());
 }
 
+TEST(Figures, CountCurvesAndSheetsApart) {
+  Entry curves{about("viscosity"), saying({kNamedViscosity}), {}};
+  curves.mark = mark(curves.question, curves.answer);
+  Entry sheets = curves;
+  sheets.question.twin.suite = "sheet_field";
+  const auto kinds = apart({sheets, curves, sheets});
+  ASSERT_EQ(kinds.size(), 2U);
+  EXPECT_EQ(kinds[0].first, "curves");
+  EXPECT_EQ(kinds[0].second.size(), 1U);
+  EXPECT_EQ(kinds[1].first, "sheets");
+  EXPECT_EQ(kinds[1].second.size(), 2U);
+}
+
 }  // namespace
 }  // namespace tenter::exam

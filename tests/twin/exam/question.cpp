@@ -7,12 +7,14 @@
 
 #include "tests/twin/hidden_effects.h"
 #include "tests/twin/random.h"
+#include "tests/twin/sheets/sheet_effects.h"
 #include "tests/twin/suite.h"
 
 namespace tenter::exam {
 namespace {
 
 bool hides_rate(const std::string& suite) {
+  if (twin::is_sheet_suite(suite)) return !twin::traits_of(suite).has_rates;
   return suite == "single_rate" || suite == "no_time";
 }
 
@@ -22,7 +24,28 @@ bool can_show(const std::string& suite, const twin::HiddenEffect& effect) {
   return true;
 }
 
-std::vector<std::string> forms_of(const twin::HiddenEffect& effect) {
+/// An effect as questions know it, of curves or of sheets.
+struct Hideable {
+  std::string id;
+  std::vector<std::string> variants;
+  bool foreign = false;
+};
+
+/// All that a suite can show.
+std::vector<Hideable> hideable_in(const std::string& suite) {
+  std::vector<Hideable> list;
+  if (twin::is_sheet_suite(suite)) {
+    for (const twin::SheetEffect& effect : twin::sheet_effects())
+      if (twin::can_show(twin::traits_of(suite), effect))
+        list.push_back({effect.id, effect.variants, effect.foreign});
+    return list;
+  }
+  for (const twin::HiddenEffect& effect : twin::hidden_effects())
+    if (can_show(suite, effect)) list.push_back({effect.id, effect.variants, effect.foreign});
+  return list;
+}
+
+std::vector<std::string> forms_of(const Hideable& effect) {
   std::vector<std::string> forms;
   for (const std::string& variant : effect.variants) {
     const std::string name = effect.id + ":" + variant;
@@ -42,24 +65,23 @@ bool can_pair(const std::string& a, const std::string& b) {
 }
 
 struct Pair {
-  const twin::HiddenEffect* first;
-  const twin::HiddenEffect* second;
+  Hideable first, second;
 };
 
 /// All pairs that a suite can show, in an order drawn by the seed.
 std::vector<Pair> shuffled_pairs(const Paper& paper, const std::string& suite) {
-  const auto& effects = twin::hidden_effects();
-  const auto may_hide = [&](const twin::HiddenEffect& effect) {
+  const std::vector<Hideable> effects = hideable_in(suite);
+  const auto may_hide = [&](const Hideable& effect) {
     const bool asked =
         paper.effects.empty() ||
         std::find(paper.effects.begin(), paper.effects.end(), effect.id) != paper.effects.end();
-    return asked && !effect.foreign && can_show(suite, effect);
+    return asked && !effect.foreign;
   };
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < effects.size(); ++i)
     for (std::size_t j = i + 1; j < effects.size(); ++j)
       if (may_hide(effects[i]) && may_hide(effects[j]) && can_pair(effects[i].id, effects[j].id))
-        pairs.push_back({&effects[i], &effects[j]});
+        pairs.push_back({effects[i], effects[j]});
   twin::Random order(twin::stream_seed(paper.first_seed, suite + " pairs"));
   for (std::size_t i = pairs.size(); i > 1; --i)
     std::swap(pairs[i - 1], pairs[static_cast<std::size_t>(order.below(static_cast<int>(i)))]);
@@ -79,11 +101,11 @@ void add_pairs(const Paper& paper, const std::string& suite, std::vector<Questio
       question.twin.size = size;
       question.twin.suite = suite;
       question.twin.seed = paper.first_seed + t;
-      for (const twin::HiddenEffect* effect : {pair.first, pair.second}) {
-        const std::vector<std::string> forms = forms_of(*effect);
-        question.truths.push_back(effect->id);
+      for (const Hideable& effect : {pair.first, pair.second}) {
+        const std::vector<std::string> forms = forms_of(effect);
+        question.truths.push_back(effect.id);
         question.twin.effects.push_back(forms[t % forms.size()]);
-        question.rate_hidden |= hides_rate(suite) && is_rate_question(effect->id);
+        question.rate_hidden |= hides_rate(suite) && is_rate_question(effect.id);
       }
       questions.push_back(std::move(question));
     }
@@ -125,21 +147,21 @@ std::string Question::name() const {
 Expected<std::vector<Question>> set_questions(const Paper& paper) {
   for (const std::string& suite : paper.suites) {
     const auto& known = twin::suite_names();
-    if (std::find(known.begin(), known.end(), suite) == known.end())
+    if (!twin::is_sheet_suite(suite) && std::find(known.begin(), known.end(), suite) == known.end())
       return bad_input("there is no suite '" + suite + "'");
   }
   for (const std::string& id : paper.effects)
-    if (twin::find_hidden_effect(id) == nullptr)
+    if (twin::find_hidden_effect(id) == nullptr && twin::find_sheet_effect(id) == nullptr)
       return bad_input("the twins know no effect '" + id + "'");
 
   std::vector<Question> questions;
   for (const std::string& suite : paper.suites) {
-    for (const twin::HiddenEffect& effect : twin::hidden_effects()) {
+    for (const Hideable& effect : hideable_in(suite)) {
       const bool asked = paper.effects.empty()
                              ? paper.foreign || !effect.foreign
                              : std::find(paper.effects.begin(), paper.effects.end(), effect.id) !=
                                    paper.effects.end();
-      if (!asked || !can_show(suite, effect)) continue;
+      if (!asked) continue;
       const std::vector<std::string> forms = forms_of(effect);
       for (const double size : paper.sizes) {
         for (int turn = 0; turn < paper.seeds; ++turn) {

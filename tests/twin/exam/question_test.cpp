@@ -7,6 +7,7 @@
 #include <set>
 
 #include "tests/twin/hidden_effects.h"
+#include "tests/twin/sheets/sheet_effects.h"
 
 namespace tenter::exam {
 namespace {
@@ -58,6 +59,24 @@ TEST(Questions, NullTwinsHideNothing) {
     EXPECT_EQ(question.kind, Kind::null);
     EXPECT_EQ(question.twin.size, 0.0);
   }
+}
+
+TEST(Questions, OfSheetsAreOfWhatSheetsCanHide) {
+  Paper paper;
+  paper.suites = {"sheet_field", "sheet_no_time"};
+  paper.foreign = true;
+  paper.seeds = 2;
+  const auto questions = set_questions(paper);
+  ASSERT_TRUE(questions);
+  std::set<std::string> in_field;
+  for (const Question& question : *questions) {
+    const bool is_field = question.twin.suite == "sheet_field";
+    if (is_field) in_field.insert(question.truth());
+    EXPECT_FALSE(!is_field && question.truth() == "force_camera_delay");
+    EXPECT_EQ(question.rate_hidden, !is_field && is_rate_question(question.truth()));
+  }
+  EXPECT_EQ(in_field.size(), twin::sheet_effects().size());
+  EXPECT_TRUE(in_field.contains("heterogeneity"));
 }
 
 TEST(Questions, RefuseWhatNobodyKnows) {

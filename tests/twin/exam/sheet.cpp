@@ -8,6 +8,8 @@
 #include <ostream>
 #include <set>
 
+#include "tests/twin/sheets/sheet_suite.h"
+
 namespace tenter::exam {
 namespace {
 
@@ -199,8 +201,9 @@ Figure held_out_figure(const std::vector<Entry>& entries) {
 /// The statement that names what hides, with its interval; nothing where the force is not its
 /// measure (an accident, readings, a camera).
 const Said* sized_statement(const Entry& entry) {
-  static const std::set<std::string> kNotOfForce = {"outliers", "clip_slip", "camera_scale",
-                                                    "load_cell_quantisation"};
+  static const std::set<std::string> kNotOfForce = {
+      "outliers",       "clip_slip",  "camera_scale",  "camera_pose",
+      "occlusion_bias", "wrong_mass", "heterogeneity", "load_cell_quantisation"};
   if (entry.question.kind != Kind::effect || entry.answer.true_share <= 0.0 ||
       kNotOfForce.contains(entry.question.truths.front()) || !entry.mark.wrong_names.empty())
     return nullptr;
@@ -275,7 +278,21 @@ std::vector<Figure> figures(const std::vector<Entry>& entries) {
   return list;
 }
 
-void write_table(const std::vector<Entry>& entries, std::ostream& out) {
+std::vector<std::pair<std::string, std::vector<Entry>>> apart(const std::vector<Entry>& entries) {
+  std::vector<std::pair<std::string, std::vector<Entry>>> kinds;
+  for (const char* kind : {"curves", "sheets"}) {
+    std::vector<Entry> own;
+    for (const Entry& entry : entries)
+      if (twin::is_sheet_suite(entry.question.twin.suite) == (kind == std::string("sheets")))
+        own.push_back(entry);
+    if (!own.empty()) kinds.emplace_back(kind, std::move(own));
+  }
+  return kinds;
+}
+
+namespace {
+
+void write_kind(const std::vector<Entry>& entries, std::ostream& out) {
   for (const Figure& figure : figures(entries)) {
     if (figure.of == 0) continue;
     out << formatted("%-58s %4d of %4d  %5.1f %%", figure.name.c_str(), figure.count, figure.of,
@@ -289,6 +306,15 @@ void write_table(const std::vector<Entry>& entries, std::ostream& out) {
   out << "\n";
   write_recall(entries, out);
   write_confusion(entries, out);
+}
+
+}  // namespace
+
+void write_table(const std::vector<Entry>& entries, std::ostream& out) {
+  for (const auto& [kind, own] : apart(entries)) {
+    out << kind << "\n";
+    write_kind(own, out);
+  }
 }
 
 void write_failures(const std::vector<Entry>& entries, std::ostream& out) {
@@ -308,17 +334,15 @@ void write_failures(const std::vector<Entry>& entries, std::ostream& out) {
 
 void write_json(const std::vector<Entry>& entries, std::ostream& out) {
   nlohmann::json summary = nlohmann::json::array();
-  for (const Figure& figure : figures(entries)) {
-    nlohmann::json row = {{"name", figure.name},
-                          {"count", figure.count},
-                          {"of", figure.of},
-                          {"share", figure.share()},
-                          {"met", figure.met()}};
-    if (figure.mean) row["mean"] = *figure.mean;
-    if (figure.at_least) row["at_least"] = *figure.at_least;
-    if (figure.at_most) row["at_most"] = *figure.at_most;
-    summary.push_back(std::move(row));
-  }
+  for (const auto& [kind, own] : apart(entries))
+    for (const Figure& figure : figures(own)) {
+      nlohmann::json row = {{"of_what", kind}, {"name", figure.name},     {"count", figure.count},
+                            {"of", figure.of}, {"share", figure.share()}, {"met", figure.met()}};
+      if (figure.mean) row["mean"] = *figure.mean;
+      if (figure.at_least) row["at_least"] = *figure.at_least;
+      if (figure.at_most) row["at_most"] = *figure.at_most;
+      summary.push_back(std::move(row));
+    }
   nlohmann::json questions = nlohmann::json::array();
   for (const Entry& entry : entries) questions.push_back(json_of(entry));
   out << nlohmann::json{{"figures", summary}, {"questions", questions}}.dump(1) << "\n";

@@ -6,6 +6,7 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/twin/exam/answer.h"
@@ -36,6 +37,10 @@ struct Figure {
 /// names, not towards recall; neither do sizes below 3 (design/diagnosis.md, "How it is proved").
 std::vector<Figure> figures(const std::vector<Entry>& entries);
 
+/// Curves and sheets apart, of each kind that there is: "curves" and "sheets".
+std::vector<std::pair<std::string, std::vector<Entry>>> apart(const std::vector<Entry>& entries);
+
+/// Of curves and of sheets apart.
 void write_table(const std::vector<Entry>& entries, std::ostream& out);
 
 /// Every answer that is not right, one paragraph each: question, verdicts, path.

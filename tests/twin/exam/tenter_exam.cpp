@@ -51,7 +51,19 @@ std::vector<Paper> full_examination(std::uint64_t first_seed) {
   pairs.seeds = 0;
   pairs.pairs = 100;
   pairs.first_seed = first_seed;
-  return {rich, hidden_rate, pairs};
+  Paper sheets = rich;
+  sheets.suites = {"sheet_field"};
+  sheets.seeds = 2;
+  sheets.nulls = 20;
+  Paper markers = sheets;
+  markers.suites = {"sheet_markers"};
+  markers.sizes = {3.0, 10.0};
+  markers.seeds = 1;
+  Paper sheets_at_one_rate = hidden_rate;
+  sheets_at_one_rate.suites = {"sheet_single_rate", "sheet_no_time"};
+  sheets_at_one_rate.seeds = 2;
+  sheets_at_one_rate.nulls = 8;
+  return {rich, hidden_rate, pairs, sheets, markers, sheets_at_one_rate};
 }
 
 void write_file(const std::filesystem::path& path, const auto& write) {
@@ -90,8 +102,9 @@ int run(const Options& options) {
     write_file(std::filesystem::path(options.out) / "exam.json",
                [&](std::ostream& out) { write_json(entries, out); });
   }
-  for (const Figure& figure : figures(entries))
-    if (!figure.met()) return 1;
+  for (const auto& [kind, own] : apart(entries))
+    for (const Figure& figure : figures(own))
+      if (!figure.met()) return 1;
   return 0;
 }
 
@@ -105,7 +118,8 @@ int main(int argc, char** argv) {
   app.add_option("--sizes", options.paper.sizes, "effect over noise; default: 3 10")
       ->check(CLI::PositiveNumber);
   app.add_option("--suites,--suite", options.paper.suites,
-                 "rich, single_rate, no_time, knit_like; default: rich");
+                 "rich, single_rate, no_time, knit_like; sheet_field, sheet_markers, "
+                 "sheet_single_rate, sheet_no_time; default: rich");
   app.add_option("--seeds", options.paper.seeds, "questions of each effect and size; default: 3")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--nulls", options.paper.nulls, "twins in which nothing hides; default: 0")

@@ -31,6 +31,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/twin/fabrics/laws/hidden_laws.h"
 #include "tests/twin/fabrics/stiffness_curve.h"
 
 namespace tenter::twin {
@@ -61,6 +62,7 @@ struct Fabric {
   std::array<StiffnessCurve, kModes> curves;  ///< N/m by strain; N m by curvature
   std::array<Loop, kModes> loops;
   Limits limits;
+  HiddenLaws hidden = {};  ///< nothing, in the fabrics of the thesis
 
   const StiffnessCurve& curve(Mode mode) const { return curves[static_cast<std::size_t>(mode)]; }
 };

@@ -36,56 +36,26 @@ ClipPose turned(double angle, const Eigen::Vector3d& place, const Eigen::Vector3
 }
 
 Protocol stretch(const Fabric& fabric, bool along_u, const ProtocolOptions& options) {
-  Protocol p{along_u ? "stretch_u" : "stretch_v", fabric.side_m, options.cells, {}, {}};
-  const double side = fabric.side_m, depth = side / options.cells;
-  const Eigen::Vector3d out = along_u ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
-  const Eigen::Vector3d along = along_u ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
-  const Region first = along_u ? Region{0.0, depth, 0.0, side} : Region{0.0, side, 0.0, depth};
-  const Region second =
-      along_u ? Region{side - depth, side, 0.0, side} : Region{0.0, side, side - depth, side};
-  p.clips = {{"fixed", first, kBarClip_kg, -out, along},
-             {"moved", second, kBarClip_kg, out, along}};
-  const double farthest_m =
-      (side - 2.0 * depth) * (along_u ? fabric.limits.stretch_u : fabric.limits.stretch_v);
+  Protocol p = between_bars(fabric, along_u, options.cells);
+  const double farthest_m = fabric.side_m * (1.0 - 2.0 / options.cells) *
+                            (along_u ? fabric.limits.stretch_u : fabric.limits.stretch_v);
   constexpr double kTaut = 0.06;  // share of the way that keeps the sheet from hanging through
   constexpr int kFewest = 18;     // with which three loops see several elongations
   for (int f = 0; f < options.frames; ++f) {
     const Phase phase = loop_phase(f, options.frames, options.frames < kFewest ? 1 : 3);
     const double way_m = farthest_m * (kTaut + (1.0 - kTaut) * phase.value);
-    p.frames.push_back({{ClipPose{}, shifted(way_m * out)}, {}, phase.branch});
+    p.frames.push_back({bar_poses(along_u, way_m), {}, phase.branch});
   }
   return p;
 }
 
-// The cloth between the bars goes to x = centre + (u - c) a_u + (v - c) a_v with a_u along x and
-// a_v leaning by the angle; each bar is rigid and its inner middle lies where that map puts it.
 Protocol picture_frame(const Fabric& fabric, const ProtocolOptions& options) {
-  Protocol p{"shear", fabric.side_m, options.cells, {}, {}};
-  const double side = fabric.side_m, depth = side / options.cells, middle = 0.5 * side;
-  // corners stay free, wide enough that what happens there is not most of the force
-  constexpr int kCornersASide = 6;
-  const double from = depth * std::max(2, options.cells / kCornersASide), to = side - from;
-  using Eigen::Vector3d;
-  p.clips = {
-      {"left", {0.0, depth, from, to}, kLongClip_kg, -Vector3d::UnitX(), Vector3d::UnitY()},
-      {"right", {side - depth, side, from, to}, kLongClip_kg, Vector3d::UnitX(), Vector3d::UnitY()},
-      {"bottom", {from, to, 0.0, depth}, kLongClip_kg, -Vector3d::UnitY(), Vector3d::UnitX()},
-      {"top", {from, to, side - depth, side}, kLongClip_kg, Vector3d::UnitY(), Vector3d::UnitX()}};
+  Protocol p = in_picture_frame(fabric, options.cells);
   for (int f = 0; f < options.frames; ++f) {
     const Phase phase = loop_phase(f, options.frames, 2);
     const double sine = (phase.branch < 2 ? 1.0 : -1.0) * fabric.limits.shear * phase.value;
-    const double angle = std::asin(sine);
-    const Vector3d a_u = (1.0 + fabric.limits.frame_u) * Vector3d::UnitX();
-    const Vector3d a_v =
-        (1.0 + fabric.limits.frame_v) * Vector3d(std::sin(angle), std::cos(angle), 0.0);
-    const Vector3d centre(middle, middle, 0.0);
-    const double reach = middle - depth;
-    p.frames.push_back({{turned(-angle, {depth, middle, 0.0}, centre - reach * a_u),
-                         turned(-angle, {side - depth, middle, 0.0}, centre + reach * a_u),
-                         shifted(centre - reach * a_v - Vector3d(middle, depth, 0.0)),
-                         shifted(centre + reach * a_v - Vector3d(middle, side - depth, 0.0))},
-                        {},
-                        phase.branch});
+    p.frames.push_back(
+        {frame_poses(p, fabric.limits.frame_u, fabric.limits.frame_v, sine), {}, phase.branch});
   }
   return p;
 }
@@ -152,6 +122,56 @@ Protocol corner_pull(const Fabric& fabric, const ProtocolOptions& options) {
 }
 
 }  // namespace
+
+Protocol between_bars(const Fabric& fabric, bool along_u, int cells) {
+  Protocol p{along_u ? "stretch_u" : "stretch_v", fabric.side_m, cells, {}, {}};
+  const double side = fabric.side_m, depth = side / cells;
+  const Eigen::Vector3d out = along_u ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d along = along_u ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
+  const Region first = along_u ? Region{0.0, depth, 0.0, side} : Region{0.0, side, 0.0, depth};
+  const Region second =
+      along_u ? Region{side - depth, side, 0.0, side} : Region{0.0, side, side - depth, side};
+  p.clips = {{"fixed", first, kBarClip_kg, -out, along},
+             {"moved", second, kBarClip_kg, out, along}};
+  return p;
+}
+
+std::vector<ClipPose> bar_poses(bool along_u, double way_m) {
+  return {ClipPose{},
+          shifted(way_m * (along_u ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY()))};
+}
+
+Protocol in_picture_frame(const Fabric& fabric, int cells) {
+  Protocol p{"shear", fabric.side_m, cells, {}, {}};
+  const double side = fabric.side_m, depth = side / cells;
+  // corners stay free, wide enough that what happens there is not most of the force
+  constexpr int kCornersASide = 6;
+  const double from = depth * std::max(2, cells / kCornersASide), to = side - from;
+  using Eigen::Vector3d;
+  p.clips = {
+      {"left", {0.0, depth, from, to}, kLongClip_kg, -Vector3d::UnitX(), Vector3d::UnitY()},
+      {"right", {side - depth, side, from, to}, kLongClip_kg, Vector3d::UnitX(), Vector3d::UnitY()},
+      {"bottom", {from, to, 0.0, depth}, kLongClip_kg, -Vector3d::UnitY(), Vector3d::UnitX()},
+      {"top", {from, to, side - depth, side}, kLongClip_kg, Vector3d::UnitY(), Vector3d::UnitX()}};
+  return p;
+}
+
+// The cloth between the clips goes to x = centre + (u - c) a_u + (v - c) a_v with a_u along x and
+// a_v leaning by the angle; each is rigid and its inner middle lies where that map puts it.
+std::vector<ClipPose> frame_poses(const Protocol& frame, double stretch_u, double stretch_v,
+                                  double sine) {
+  using Eigen::Vector3d;
+  const double side = frame.side_m, depth = side / frame.cells, middle = 0.5 * side;
+  const double angle = std::asin(sine);
+  const Vector3d a_u = (1.0 + stretch_u) * Vector3d::UnitX();
+  const Vector3d a_v = (1.0 + stretch_v) * Vector3d(std::sin(angle), std::cos(angle), 0.0);
+  const Vector3d centre(middle, middle, 0.0);
+  const double reach = middle - depth;
+  return {turned(-angle, {depth, middle, 0.0}, centre - reach * a_u),
+          turned(-angle, {side - depth, middle, 0.0}, centre + reach * a_u),
+          shifted(centre - reach * a_v - Vector3d(middle, depth, 0.0)),
+          shifted(centre + reach * a_v - Vector3d(middle, side - depth, 0.0))};
+}
 
 std::vector<std::string> protocol_names() {
   return {"stretch_u", "stretch_v", "shear", "bend_u", "bend_v", "complex_shear", "corner_pull"};

@@ -57,6 +57,7 @@ struct ProtocolFrame {
   std::vector<ClipPose> poses;  ///< of every clip
   std::optional<Region> table;  ///< what lies on it is held
   int block = 0;                ///< branch of its loop
+  double duration_s = 0.0;      ///< since the frame before, where time is told
 };
 
 struct Protocol {
@@ -71,6 +72,17 @@ struct ProtocolOptions {
   int frames = 20;  ///< the thesis has 20 to 200
   int cells = 24;   ///< at least 6
 };
+
+/// Two bars on opposite sides, without frames yet. The way between their inner edges is free.
+Protocol between_bars(const Fabric& fabric, bool along_u, int cells);
+/// The second bar moved by so much along the pull.
+std::vector<ClipPose> bar_poses(bool along_u, double way_m);
+
+/// Four long clips, corners free: "left", "right", "bottom", "top", without frames yet.
+Protocol in_picture_frame(const Fabric& fabric, int cells);
+/// Stretched between the clips, and sheared by an angle of this sine.
+std::vector<ClipPose> frame_poses(const Protocol& frame, double stretch_u, double stretch_v,
+                                  double sine);
 
 /// The seven, those for fits first.
 std::vector<std::string> protocol_names();

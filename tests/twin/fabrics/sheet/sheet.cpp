@@ -65,6 +65,7 @@ Sheet::Sheet(Fabric fabric, SheetLines lines)
         const LineValue pu = lines_.plane_u.at(u), pv = lines_.plane_v.at(v);
         const LineValue hu = lines_.height_u.at(u), hv = lines_.height_v.at(v);
         GaussPoint& point = span.points[k];
+        history_.emplace_back().stiffer = fabric_.hidden.stiffer_at({u, v});
         point.area = half_u * half_v * gu.weight * gv.weight;
         point.plane = shape_of(pu, pv);
         point.height = shape_of(hu, hv);
@@ -80,7 +81,6 @@ Sheet::Sheet(Fabric fabric, SheetLines lines)
         }
       }
     }
-  history_.resize(spans_.size() * kGaussPoints);
 }
 
 Eigen::Vector2d Sheet::place(int plane_point) const {
@@ -166,6 +166,10 @@ double Sheet::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd* gradient,
       if (slot[k] >= 0) values[slot[k]] += whole.data()[k];
   }
   return energy;
+}
+
+void Sheet::set_step(double step_s) {
+  for (PointHistory& history : history_) history.step_s = step_s;
 }
 
 void Sheet::advance(const Eigen::VectorXd& x) {

@@ -68,6 +68,8 @@ class Sheet {
   double evaluate(const Eigen::VectorXd& x, Eigen::VectorXd* gradient,
                   const std::vector<int>* slots = nullptr, double* values = nullptr,
                   double convex_share = 0.0) const;
+  /// How long the next step lasts, for laws that know time.
+  void set_step(double step_s);
   /// The state is one that was reached: friction goes on from there.
   void advance(const Eigen::VectorXd& x);
 

@@ -36,32 +36,36 @@ Normal normal_of(const SurfaceVector& y) {
 }
 
 constexpr int kFirstBend = 3;
+
+Eigen::Vector2d stretch_stiffness(const Fabric& fabric) {
+  return {fabric.curves[0].stiffness(0.0), fabric.curves[1].stiffness(0.0)};
+}
 constexpr double kWeight[3] = {1.0, 1.0, 2.0};  // K_uv counts twice
 
+/// Without a share of what makes it negative.
+template <class Matrix>
+Matrix less_negative(const Matrix& matrix, double share) {
+  if (share <= 0.0) return matrix;
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(matrix);
+  const Matrix positive = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+                          eigen.eigenvectors().transpose();
+  return matrix + share * (positive - matrix);
+}
+
 /// Membrane part: C = Y'Y is quadratic in (x,u x,v), its second derivative weighs the stresses.
-void add_membrane(const CurveValue* mode, const SurfaceVector& y, bool wants_hessian, double share,
-                  PointEnergy& out) {
+void add_membrane(const Eigen::Vector3d& stresses, const Matrix3d& tangents, const SurfaceVector& y,
+                  bool wants_hessian, double share, PointEnergy& out) {
   const Vector3d a = y.segment<3>(0), b = y.segment<3>(3);
   Eigen::Matrix<double, 6, 3> by_y = Eigen::Matrix<double, 6, 3>::Zero();
   by_y.col(0).head<3>() = a;
   by_y.col(1).tail<3>() = b;
   by_y.col(2) << b, a;
-  for (int m = 0; m < 3; ++m) out.gradient.head<6>() += mode[m].stress * by_y.col(m);
+  out.gradient.head<6>() += by_y * stresses;
   if (!wants_hessian) return;
-  for (int m = 0; m < 3; ++m) {
-    const double tangent =
-        mode[m].tangent + share * (std::max(mode[m].tangent, 0.0) - mode[m].tangent);
-    out.hessian.topLeftCorner<6, 6>() += tangent * by_y.col(m) * by_y.col(m).transpose();
-  }
+  out.hessian.topLeftCorner<6, 6>() += by_y * less_negative(tangents, share) * by_y.transpose();
   Eigen::Matrix2d stress;
-  stress << mode[0].stress, mode[2].stress, mode[2].stress, mode[1].stress;
-  if (share > 0.0) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(stress);
-    const Eigen::Matrix2d positive = eigen.eigenvectors() *
-                                     eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
-                                     eigen.eigenvectors().transpose();
-    stress += share * (positive - stress).eval();
-  }
+  stress << stresses[0], stresses[2], stresses[2], stresses[1];
+  stress = less_negative(stress, share);
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j)
       out.hessian.block<3, 3>(3 * i, 3 * j) += stress(i, j) * Matrix3d::Identity();
@@ -123,6 +127,15 @@ Strains strains_at(const SurfaceVector& y) {
 CurveValue mode_at(const Fabric& fabric, int mode, const PointHistory& history, double strain) {
   const auto m = static_cast<std::size_t>(mode);
   CurveValue value = fabric.curves[m].at(strain);
+  if (mode < 2 && history.stiffer != 1.0)
+    value = {history.stiffer * value.energy, history.stiffer * value.stress,
+             history.stiffer * value.tangent};
+  if (mode == kFirstBend || mode == kFirstBend + 1) {
+    const double moment_N = fabric.curves[m].stiffness(0.0) *
+                            fabric.hidden.curl_1_m[static_cast<std::size_t>(mode - kFirstBend)];
+    value.energy -= moment_N * strain;
+    value.stress -= moment_N;
+  }
   const Loop& loop = fabric.loops[m];
   if (loop.ratio == 1.0) return value;
   const double beta = (loop.ratio - 1.0) / (loop.ratio + 1.0);
@@ -150,16 +163,32 @@ void evaluate_point(const Fabric& fabric, const PointHistory& history, const Sur
     modes[m] = mode_at(fabric, m, history, strain[m]);
     out.energy += modes[m].energy;
   }
-  add_membrane(modes, y, wants_hessian, convex_share, out);
+  const LawValue hidden = hidden_at(fabric.hidden, history.laws, history.strain.head<3>(),
+                                    strain.head<3>(), stretch_stiffness(fabric), history.step_s);
+  out.energy += hidden.energy;
+  Eigen::Vector3d stresses = hidden.stress;
+  Matrix3d tangents = hidden.tangent;
+  for (int m = 0; m < kFirstBend; ++m) {
+    stresses[m] += modes[m].stress;
+    tangents(m, m) += modes[m].tangent;
+  }
+  add_membrane(stresses, tangents, y, wants_hessian, convex_share, out);
   add_bending(modes + kFirstBend, y, wants_hessian, convex_share, out);
 }
 
 PointHistory advance(const Fabric& fabric, const PointHistory& history, const SurfaceVector& y) {
   PointHistory next;
   next.strain = strains_at(y);
+  next.laws = advance(fabric.hidden, history.laws, history.strain.head<3>(), next.strain.head<3>(),
+                      history.step_s);
+  next.stiffer = history.stiffer;
+  next.step_s = history.step_s;
   for (int m = 0; m < kModes; ++m)
-    next.friction[m] = mode_at(fabric, m, history, next.strain[m]).stress -
-                       fabric.curves[static_cast<std::size_t>(m)].at(next.strain[m]).stress;
+    next.friction[m] =
+        fabric.loops[static_cast<std::size_t>(m)].ratio == 1.0
+            ? 0.0
+            : mode_at(fabric, m, history, next.strain[m]).stress -
+                  fabric.curves[static_cast<std::size_t>(m)].at(next.strain[m]).stress;
   return next;
 }
 

@@ -4,7 +4,7 @@
 //
 //   y = (x,u  x,v  x,uu  x,vv  x,uv)     15 numbers
 //   e = (E_uu, E_vv, x,u . x,v, K_uu, K_vv, 2 K_uv)      K_ab = x,ab . n,  n = x,u x x,v / |..|
-//   psi = sum over modes  psi_m(e_m) + Phi_m(e_m)
+//   psi = sum over modes  psi_m(e_m) + Phi_m(e_m)     and what hides (hidden_laws.h)
 //
 // Friction is a Dahl element whose bound follows the elastic stress, sigma_max = beta |sigma(e)|
 // with beta = (ratio - 1) / (ratio + 1), so that a saturated branch has (1 + beta) sigma loading
@@ -31,6 +31,9 @@ using Strains = Eigen::Matrix<double, kModes, 1>;
 struct PointHistory {
   Strains strain = Strains::Zero();
   Strains friction = Strains::Zero();
+  LawHistory laws = {};
+  double stiffer = 1.0;  ///< stretch, where the point lies (HiddenLaws::stiffer_at)
+  double step_s = 0.0;   ///< duration of the step that goes on from here
 };
 
 struct PointEnergy {

@@ -98,6 +98,7 @@ class Rig {
       const Sheet sheet_before = sheet_;
       const Eigen::VectorXd x_before = x_;
       bool ok = true;
+      sheet_.set_step(frame.duration_s / steps);
       for (int k = 1; k <= steps && ok; ++k) ok = step_to(frame, static_cast<double>(k) / steps);
       if (ok) {
         if (!frame.poses.empty()) poses_ = frame.poses;

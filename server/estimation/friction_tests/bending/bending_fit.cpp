@@ -9,7 +9,7 @@
 
 #include "server/estimation/friction_tests/bending/cantilever/moment_errors.h"
 #include "server/estimation/friction_tests/bending/path_start.h"
-#include "server/estimation/friction_tests/bending/torque_errors.h"
+#include "server/estimation/friction_tests/bending/contour/contour_errors.h"
 #include "server/estimation/least_squares/bounded_least_squares.h"
 
 namespace tenter::estimation {
@@ -110,30 +110,46 @@ double mean_noise(const std::vector<ProfileSamples>& profiles) {
   return noise / static_cast<double>(profiles.size());
 }
 
-/// The fit from its starts, the scatter that the torques' errors add taken from it (which depends
-/// on the model: twice is enough), and what is known of each number.
-Expected<void> finish(TorqueErrors& errors, const StrainPoint& point, const SharedProfiles& shared,
+/// A few steps from each start, then the whole from the best. Where the strips stand is taken out
+/// near where they stand at a reference, which the fit moves: three times is enough.
+Expected<FitResult> fit_from_starts(ContourErrors& errors, const model::Model& model,
+                                    const std::vector<FrictionValues>& starts,
+                                    const FitOptions& options, Eigen::VectorXd& reference) {
+  constexpr int kRounds = 3;
+  FitOptions rough = options;
+  rough.max_iterations = std::min(options.max_iterations, 10);
+  FitResult best;
+  for (const FrictionValues& from : starts) {
+    if (errors.set_reference(flat(from)) != mechanics::PathStatus::ok) continue;
+    FitResult found = fit(errors, with_values(model, from), rough);
+    if (found.usable && (!best.usable || found.chi2 < best.chi2)) best = std::move(found);
+  }
+  if (!best.usable) return bad_input("strips: no start of the fit finds them at rest");
+  for (int round = 0; round < kRounds; ++round) {
+    reference = best.parameters;
+    if (errors.set_reference(reference) != mechanics::PathStatus::ok)
+      return bad_input("strips: the model finds no rest under their weight");
+    best = fit(errors, with_values(model, values_of(reference)), options);
+    if (!best.usable) return bad_input("strips: " + best.message);
+  }
+  return best;
+}
+
+/// The fit from its starts, and what is known of each number.
+Expected<void> finish(ContourErrors& errors, const StrainPoint& point, const SharedProfiles& shared,
                       const model::Model& model, const std::vector<FrictionValues>& starts,
                       const FrictionFitOptions& options, BendingEstimate& estimate) {
   FrictionEstimate& friction = estimate.friction;
-  friction.fit = fit_from(starts, errors, model, options.fit);
-  if (!friction.fit.usable) return bad_input("strips: no start of the fit finds them at rest");
   Eigen::VectorXd reference;
-  for (int round = 0; round < 2; ++round) {
-    reference = friction.fit.parameters;
-    if (errors.set_reference(reference) != mechanics::PathStatus::ok)
-      return bad_input("strips: the model finds no rest under their weight");
-    FitResult again = fit(errors, with_values(model, values_of(reference)), options.fit);
-    if (!again.usable) return bad_input("strips: " + again.message);
-    friction.fit = std::move(again);
-  }
+  auto found = fit_from_starts(errors, model, starts, options.fit, reference);
+  if (!found) return tl::unexpected(found.error());
+  friction.fit = std::move(*found);
   friction.snapped = errors.snapped();
-  estimate.predicted.assign(errors.predicted().data(),
-                            errors.predicted().data() + errors.predicted().size());
+  estimate.predicted = errors.predicted();
   friction.noise = mean_noise(*shared);
   friction.lacks = lacks_of(*shared);
   const MakeFunction make = [&]() -> std::unique_ptr<ResidualFunction> {
-    auto own = std::make_unique<TorqueErrors>(point, shared);
+    auto own = std::make_unique<ContourErrors>(point, shared);
     if (own->set_reference(reference) != mechanics::PathStatus::ok) return nullptr;
     return own;
   };
@@ -170,12 +186,9 @@ Expected<BendingEstimate> fit_bending(const BendingTests& tests, std::string_vie
   start = anchored_start(anchored, model, has_cantilever ? &estimate.cantilever : nullptr);
   for (double& rms : start.rms_load) rms *= kTorqueUnit;
 
-  TorqueErrors errors(*point, shared);
+  ContourErrors errors(*point, shared);
   std::vector<FrictionValues> starts = path_starts(*shared);
   starts.push_back(start.stages.back());
-  // until there is a fit to take it from, the torques' scatter is that of the best start
-  if (errors.set_reference(flat(starts.front())) != mechanics::PathStatus::ok)
-    starts.erase(starts.begin());
   if (auto done = finish(errors, *point, shared, model, starts, options, estimate); !done)
     return tl::unexpected(done.error());
   return estimate;

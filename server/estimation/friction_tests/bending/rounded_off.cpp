@@ -25,7 +25,7 @@ double at(const Eigen::VectorXd& borders, double cell, double arc) {
 }  // namespace
 
 int rounding_cells(const ProfileSamples& profile) {
-  const int between = std::max(1, profile.points - 1);
+  const int between = std::max(1, static_cast<int>(profile.points.size()) - 1);
   return between * ((kFewestCells + between - 1) / between);
 }
 
@@ -34,7 +34,7 @@ std::optional<RoundedOff> rounded_off(const ProfileSamples& profile,
   const int cells = static_cast<int>(strain.size());
   const double length = profile.curve.length_m();
   const double cell = length / cells;
-  const int stride = cells / std::max(1, profile.points - 1);
+  const int stride = cells / std::max(1, static_cast<int>(profile.points.size()) - 1);
   Eigen::VectorXd direction(cells + 1), torque(cells + 1), drop(cells);
   std::vector<ContourPoint> points;
   ContourPoint place = profile.curve.position(0.0);

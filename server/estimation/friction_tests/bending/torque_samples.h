@@ -40,7 +40,7 @@ struct ProfileSamples {
   std::vector<TorqueSample> samples;
   int left_out = 0;          ///< pieces where gravity and elasticity oppose
   ProfileCurve curve;        ///< of which all this was read
-  int points = 0;            ///< of the contour
+  std::vector<ContourPoint> points;
   double width_m = 0.0;      ///< of a piece
   double weight_N_m2 = 0.0;  ///< rho g
   /// What strains and torques change by with the spline's coefficients (samples x coefficients, and

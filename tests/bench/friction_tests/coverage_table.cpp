@@ -52,6 +52,7 @@ void CoverageTable::add(const estimation::FrictionEstimate& found) {
 }
 
 void CoverageTable::print() const {
+  if (seeds_ == 0) return void(std::printf("\n%s: %d failed\n", name_.c_str(), failed_));
   std::printf("\n%s: %d seeds, %d failed, chi2 per row %.3f, %.2f s a seed\n", name_.c_str(),
               seeds_, failed_, chi2_per_row_ / seeds_, seconds_ / (seeds_ + failed_));
   std::printf("%-11s %10s %10s %9s %9s %9s %6s %5s  %s\n", "", "truth", "papers'", "mean off",
@@ -83,7 +84,7 @@ CoverageTable covered(const twin::FrictionSample& sample, const CoverageOptions&
   estimation::in_parallel(options.threads, options.seeds, [&](int, int i) {
     Seed& seed = seeds[static_cast<std::size_t>(i)];
     const double begin = now();
-    seed.found = find(i + 1);
+    seed.found = find(options.first + i);
     seed.seconds = now() - begin;
     if (!*seed.found) return;
     // of 200 seeds, what a table reads is kept and no more

@@ -13,6 +13,7 @@
 namespace tenter::bench {
 
 struct CoverageOptions {
+  int first = 1;  ///< seed
   int seeds = 200;
   int threads = 1;
   bool profiles = false;  ///< intervals from profiles of the likelihood, else from the covariance
@@ -43,8 +44,8 @@ class CoverageTable {
   double seconds_ = 0.0;
 };
 
-/// The table over seeds 1, 2, ... of what `find` finds; the same for any number of threads. A reason
-/// for the first that fails is printed.
+/// The table over seeds first, first + 1, ... of what `find` finds; the same for any number of
+/// threads. A reason for the first that fails is printed.
 CoverageTable covered(const twin::FrictionSample& sample, const CoverageOptions& options,
                       const std::function<Expected<estimation::FrictionEstimate>(int seed)>& find);
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tenter-bench-friction-tests [--seeds N] [--threads N] [--profiles] [--only WORD] [--figures DIR]:
-// tables 5.1 and 5.2 of the thesis from twins, by the papers' protocol and a length noise of 0.1
-// mm, and in how many seeds 95 % intervals hold the truth (right ones: in 179 to 198 of 200).
+// tenter-bench-friction-tests [--first N] [--seeds N] [--threads N] [--profiles] [--only WORD]
+// [--figures DIR]: tables 5.1 and 5.2 of the thesis from twins, by the papers' protocol and a
+// length noise of 0.1 mm, and in how many seeds 95 % intervals hold the truth (right ones: in 179
+// to 198 of 200).
 //
 //   --profiles   intervals from the profile of the likelihood, else from the covariance
 //   --only       stretch, bending or creeping, or one sample: cotton, felt, ...
@@ -36,6 +37,8 @@ bool read_options(int count, char** arguments, Options& options) {
     const char* value = arguments[++i];
     if (name == "--seeds")
       options.coverage.seeds = std::atoi(value);
+    else if (name == "--first")
+      options.coverage.first = std::atoi(value);
     else if (name == "--threads")
       options.coverage.threads = std::atoi(value);
     else if (name == "--only")
@@ -65,9 +68,10 @@ int write_figures(const std::string& folder) {
 int main(int count, char** arguments) {
   Options options;
   if (!read_options(count, arguments, options)) {
-    std::fprintf(stderr,
-                 "usage: tenter-bench-friction-tests [--seeds N] [--threads N] [--profiles] "
-                 "[--only WORD] [--figures DIR]\n");
+    std::fprintf(
+        stderr,
+        "usage: tenter-bench-friction-tests [--first N] [--seeds N] [--threads N] [--profiles] "
+        "[--only WORD] [--figures DIR]\n");
     return 2;
   }
   if (!options.figures.empty()) return write_figures(options.figures);
@@ -75,8 +79,9 @@ int main(int count, char** arguments) {
     return options.only.empty() || options.only == part ||
            (options.only == sample.name && std::string(part) != "creeping");
   };
-  std::printf("Hanging weights: 0 to 6 N in steps of 1 N, three repeats (table 5.1).\n"
-              "Spirals of twelve radii and cantilevers, three repeats (table 5.2).\n");
+  std::printf(
+      "Hanging weights: 0 to 6 N in steps of 1 N, three repeats (table 5.1).\n"
+      "Spirals of twelve radii and cantilevers, three repeats (table 5.2).\n");
   for (const twin::FrictionSample& sample : twin::stretch_samples())
     if (wanted("stretch", sample)) bench::hanging_coverage(sample, options.coverage).print();
   for (const twin::FrictionSample& sample : twin::bending_samples())

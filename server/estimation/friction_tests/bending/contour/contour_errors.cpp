@@ -61,8 +61,8 @@ ContourErrors::ContourErrors(StrainPoint point,
       strip.has_start = strip.has_start || j == 0;
       strip.has_end = strip.has_end || j == last;
     }
-    strip.read.arcs = Eigen::Map<const Eigen::VectorXd>(arcs.data(),
-                                                   static_cast<Eigen::Index>(arcs.size()));
+    strip.read.arcs =
+        Eigen::Map<const Eigen::VectorXd>(arcs.data(), static_cast<Eigen::Index>(arcs.size()));
     strip.read.placement.setZero(strip.shape.placement_count());
     const ContourPoint clamp = profile.curve.position(0.0);
     strip.read.placement.head<3>() << clamp.x_m, clamp.y_m, profile.curve.direction(0.0);
@@ -70,8 +70,7 @@ ContourErrors::ContourErrors(StrainPoint point,
     strip.read.directions.resize(cells + 1);
     for (int i = 0; i <= cells; ++i)
       strip.read.directions[i] = profile.curve.direction(i * profile.curve.length_m() / cells);
-    for (int r = 0; r < strip.row_count(); ++r)
-      rows_.push_back({0, 0, row_count(), profile.group});
+    for (int r = 0; r < strip.row_count(); ++r) rows_.push_back({0, 0, row_count(), profile.group});
     strip.at = strip.read;
     strips_.push_back(std::move(strip));
   }
@@ -118,8 +117,7 @@ bool ContourErrors::look(Strip& strip, const ProfileSamples& profile,
     distances[j] = across / profile.noise_m;
     if (by != nullptr) {
       shape.place_by(arcs[j], moves);
-      by->row(j) =
-          (s * moves.row(0) - c * moves.row(1) - along * moves.row(2)) / profile.noise_m;
+      by->row(j) = (s * moves.row(0) - c * moves.row(1) - along * moves.row(2)) / profile.noise_m;
     }
     if (!is_end) continue;
     distances[end_row] = along / profile.noise_m;
@@ -131,10 +129,9 @@ bool ContourErrors::look(Strip& strip, const ProfileSamples& profile,
   return distances.allFinite();
 }
 
-// Gauss-Newton, a step at a time as long as the points come nearer.
+// Gauss-Newton from where it stands, a step at a time as long as the points come nearer.
 bool ContourErrors::find_placement(Strip& strip, const ProfileSamples& profile,
                                    const Eigen::VectorXd& parameters) {
-  strip.at = strip.read;
   Eigen::VectorXd distances;
   RowMatrix by;
   Eigen::VectorXd arcs = strip.at.arcs;
@@ -170,9 +167,12 @@ bool ContourErrors::find_placement(Strip& strip, const ProfileSamples& profile,
 }
 
 PathStatus ContourErrors::set_reference(const Eigen::VectorXd& parameters) {
-  for (std::size_t i = 0; i < strips_.size(); ++i)
-    if (strips_[i].row_count() > 0 && !find_placement(strips_[i], (*profiles_)[i], parameters))
-      return PathStatus::no_equilibrium;
+  for (std::size_t i = 0; i < strips_.size(); ++i) {
+    Strip& strip = strips_[i];
+    if (strip.row_count() == 0 || find_placement(strip, (*profiles_)[i], parameters)) continue;
+    strip.at = strip.read;  // where it stood last is no place to begin from
+    if (!find_placement(strip, (*profiles_)[i], parameters)) return PathStatus::no_equilibrium;
+  }
   return PathStatus::ok;
 }
 

@@ -48,13 +48,13 @@ class ContourErrors final : public ResidualFunction {
     std::vector<ContourPoint> points;  ///< those that count, in order
     bool has_start = false, has_end = false;
     struct Stand {
-      Eigen::VectorXd arcs;        ///< of the points
+      Eigen::VectorXd arcs;  ///< of the points
       Eigen::VectorXd placement;
       Eigen::VectorXd directions;  ///< at the cells' borders
     };
-    Stand read;                  ///< of the smooth curve
-    Stand at;                    ///< of the model's strip at the reference
-    Eigen::MatrixXd placed;      ///< orthonormal: rows that the placement can follow
+    Stand read;              ///< of the smooth curve
+    Stand at;                ///< of the model's strip at the reference
+    Eigen::MatrixXd placed;  ///< orthonormal: rows that the placement can follow
     int first_row = 0;
     int row_count() const;
   };

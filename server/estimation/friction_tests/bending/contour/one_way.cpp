@@ -2,6 +2,7 @@
 #include "server/estimation/friction_tests/bending/contour/one_way.h"
 
 #include <cmath>
+#include <limits>
 
 namespace tenter::estimation {
 
@@ -10,6 +11,11 @@ OneWay::OneWay(const StrainPoint& point, double anchor, double reach,
     : point_(point), parameters_(parameters), anchor_(anchor) {
   point_.begin(walk_);
   if (anchor != 0.0) point_.to_strain(anchor, parameters_, walk_);
+  const double typical = anchor != 0.0 ? anchor : 0.3 * reach;
+  double torque = 0.0;
+  double tangent = 0.0;
+  look(typical, torque, tangent);
+  softness_ = std::abs(typical / torque);
   find_snaps(-1.0, -reach);
   find_snaps(1.0, reach);
 }
@@ -74,6 +80,25 @@ OneWay::Value OneWay::at(double strain) {
   }
   value.law_at = strain;
   look(strain, value.torque, value.tangent);
+  return value;
+}
+
+// Newton within a bracket: the sum rises everywhere, and at least as fast as the strain.
+OneWay::Value OneWay::meeting(double sum, double softness, double& strain) {
+  constexpr int kMaxSteps = 80;
+  double below = -std::numeric_limits<double>::infinity();
+  double above = -below;
+  Value value;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    value = at(strain);
+    const double missing = sum - strain - softness * value.torque;
+    if (std::abs(missing) <= 1e-14 * (std::abs(sum) + std::abs(strain))) break;
+    (missing > 0.0 ? below : above) = strain;
+    double next = strain + missing / (1.0 + softness * value.tangent);
+    if (!(next > below && next < above)) next = 0.5 * (below + above);
+    if (next == strain) break;
+    strain = next;
+  }
   return value;
 }
 

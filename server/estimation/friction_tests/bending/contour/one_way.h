@@ -26,12 +26,16 @@ class OneWay {
   OneWay(const StrainPoint& point, double anchor, double reach, const Eigen::VectorXd& parameters);
 
   struct Value {
-    double torque = 0.0;    ///< N
-    double tangent = 0.0;   ///< by the strain (N m)
-    double law_at = 0.0;    ///< strain at which the laws have that torque
-    bool is_past = false;   ///< a snap lies between the anchor and here, or it is on one
+    double torque = 0.0;   ///< N
+    double tangent = 0.0;  ///< by the strain (N m)
+    double law_at = 0.0;   ///< strain at which the laws have that torque
+    bool is_past = false;  ///< a snap lies between the anchor and here, or it is on one
   };
   Value at(double strain);
+  /// Where strain + softness T(strain) is `sum`; from a guess of the strain, which it becomes.
+  Value meeting(double sum, double softness, double& strain);
+  /// A slope between the law's steepest and its flattest, as strain by torque.
+  double softness() const { return softness_; }
   /// Of the torque, by parameters, at Value::law_at. Valid until the next call.
   const Eigen::VectorXd& torque_by_p(double law_at);
 
@@ -46,6 +50,7 @@ class OneWay {
   const StrainPoint& point_;
   const Eigen::VectorXd& parameters_;
   double anchor_;
+  double softness_ = 0.0;
   StrainPoint::Walk walk_;
   std::vector<Snap> down_, up_;
 };

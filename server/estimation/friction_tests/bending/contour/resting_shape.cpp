@@ -14,6 +14,8 @@ constexpr std::array<double, 2> kGauss = {0.21132486540518713, 0.788675134594812
 /// Simpson's three: places.
 constexpr std::array<double, 3> kSimpson = {1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0};
 
+constexpr double kFarthest = 0.3;  // rad in one step
+
 }  // namespace
 
 RestingShape::RestingShape(double length_m, double weight_N_m2, Eigen::VectorXd strain,
@@ -35,19 +37,18 @@ RestingShape::RestingShape(double length_m, double weight_N_m2, Eigen::VectorXd 
   turned_.setZero(cells_ + 1);
 }
 
-void RestingShape::unknowns_to_directions(const Eigen::VectorXd& unknowns) {
+void RestingShape::turn() {
   for (int i = 0; i <= cells_; ++i) {
     const int u = unknown_[static_cast<std::size_t>(i)];
-    directions_[i] = (u < 0 ? placement_[2] : unknowns[u]) + turned_[i];
+    directions_[i] = (u < 0 ? placement_[2] : unknowns_[u]) + turned_[i];
   }
 }
 
 // The work's slopes and second derivatives by directions at the borders, then by the unknowns.
-void RestingShape::assemble(OneWay& way) {
+void RestingShape::assemble(double held_back) {
   force_.setZero(cells_ + 1);
   diagonal_.setZero(cells_ + 1);
   beside_.setZero(cells_ + 1);
-  snapped_ = 0;
   for (int i = 0; i < cells_; ++i) {
     const double a = directions_[i];
     const double b = directions_[i + 1];
@@ -63,14 +64,10 @@ void RestingShape::assemble(OneWay& way) {
       beside_[i] -= share * (1.0 - share) * s;
     }
     if (is_held_[static_cast<std::size_t>(i)]) continue;
-    const OneWay::Value value = way.at(3.0 * (b - a) / cell_);
-    torque_[i] = value.torque;
-    tangent_[i] = value.tangent;
-    law_at_[i] = value.law_at;
-    snapped_ += value.is_past ? 1 : 0;
-    const double stiffness = 3.0 / cell_ * value.tangent;
-    force_[i] -= value.torque;
-    force_[i + 1] += value.torque;
+    const double torque = torque_at(i);
+    const double stiffness = 3.0 / cell_ * (tangent_[i] + held_back);
+    force_[i] -= torque;
+    force_[i + 1] += torque;
     diagonal_[i] += stiffness;
     diagonal_[i + 1] += stiffness;
     beside_[i] -= stiffness;
@@ -98,11 +95,11 @@ void RestingShape::assemble(OneWay& way) {
   }
 }
 
-bool RestingShape::factorise(double shift) {
+bool RestingShape::factorise() {
   pivot_.resize(count_);
   lower_.setZero(count_);
   for (int i = 0; i < count_; ++i) {
-    pivot_[i] = matrix_diagonal_[i] + shift;
+    pivot_[i] = matrix_diagonal_[i];
     if (i > 0) pivot_[i] -= lower_[i - 1] * matrix_beside_[i - 1];
     if (!(pivot_[i] > 1e-12 * std::abs(matrix_diagonal_[i]))) return false;
     lower_[i] = matrix_beside_[i] / pivot_[i];
@@ -118,7 +115,109 @@ void RestingShape::solve(Eigen::VectorXd& x) const {
   }
 }
 
-// Newton's way, shortened where the work rises again along it: its slope there changes sign.
+/// Of the straight line that stands for the law of a cell.
+double RestingShape::torque_at(int cell) const {
+  const double strain = 3.0 * (directions_[cell + 1] - directions_[cell]) / cell_;
+  return torque_[cell] + tangent_[cell] * (strain - strain_at_[cell]);
+}
+
+// The point of the law from which a line at the last line's strain and torque is met by one of a
+// slope between the law's steepest and its flattest: near a snap neither strain nor torque alone
+// would say where. The largest torque by which the last line was off.
+double RestingShape::meet(OneWay& way) {
+  const double softness = way.softness();
+  double off = 0.0;
+  snapped_ = 0;
+  for (int i = 0; i < cells_; ++i) {
+    if (is_held_[static_cast<std::size_t>(i)]) continue;
+    const double strain = 3.0 * (directions_[i + 1] - directions_[i]) / cell_;
+    const double torque = torque_at(i);
+    const OneWay::Value value = way.meeting(strain + softness * torque, softness, strain_at_[i]);
+    off = std::max(off, std::abs(value.torque - torque));
+    torque_[i] = value.torque;
+    tangent_[i] = value.tangent;
+    law_at_[i] = value.law_at;
+    snapped_ += value.is_past ? 1 : 0;
+  }
+  return off;
+}
+
+/// The law itself at the strains as they are.
+void RestingShape::touch(OneWay& way) {
+  snapped_ = 0;
+  for (int i = 0; i < cells_; ++i) {
+    if (is_held_[static_cast<std::size_t>(i)]) continue;
+    strain_at_[i] = 3.0 * (directions_[i + 1] - directions_[i]) / cell_;
+    const OneWay::Value value = way.at(strain_at_[i]);
+    torque_[i] = value.torque;
+    tangent_[i] = value.tangent;
+    law_at_[i] = value.law_at;
+    snapped_ += value.is_past ? 1 : 0;
+  }
+}
+
+bool RestingShape::is_small(double torque) const {
+  constexpr double kSmall = 1e-11;  // of the strip's weight on its length
+  return torque <= kSmall * 0.5 * weight_ * length_ * length_;
+}
+
+// Newton's steps with a line for the law of each cell, whose strain and torque need not agree with
+// the law on the way (a semi-smooth Newton method for the law's proximal map): a strip in which
+// some cells rest on a snap and others where the law is steep gets there in few steps, or goes to
+// and fro for ever.
+bool RestingShape::leap(OneWay& way) {
+  constexpr int kMaxSteps = 50;
+  Eigen::VectorXd step;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    const double off = meet(way);
+    assemble(0.0);
+    if (!reduced_.allFinite() || !factorise()) return false;
+    step = -reduced_;
+    solve(step);
+    if (step.cwiseAbs().maxCoeff() > kFarthest) return false;
+    unknowns_ += step;
+    turn();
+    if (is_small(off) && is_small(reduced_.cwiseAbs().maxCoeff())) return true;
+  }
+  return false;
+}
+
+// The same down the work, every cell held back by a viscosity that goes as the steps succeed.
+bool RestingShape::creep(OneWay& way) {
+  constexpr int kMaxSteps = 600;
+  double held_back = 1.0 / way.softness();
+  const double least = 1e-8 * held_back;
+  Eigen::VectorXd step, before;
+  touch(way);
+  for (int i = 0; i < kMaxSteps; ++i) {
+    assemble(0.0);
+    if (!reduced_.allFinite()) return false;
+    if (is_small(reduced_.cwiseAbs().maxCoeff())) return factorise();
+    assemble(held_back);
+    step = -reduced_;
+    if (!factorise()) {
+      held_back = std::max(least, 4.0 * held_back);
+      continue;
+    }
+    solve(step);
+    const double slope = -step.dot(reduced_);
+    before = unknowns_;
+    unknowns_ += step;
+    turn();
+    touch(way);
+    assemble(0.0);
+    if (step.cwiseAbs().maxCoeff() <= kFarthest && step.dot(reduced_) <= 0.5 * slope) {
+      held_back = held_back > least ? held_back / 3.0 : 0.0;
+      continue;
+    }
+    unknowns_ = before;
+    turn();
+    touch(way);
+    held_back = std::max(least, 4.0 * held_back);
+  }
+  return false;
+}
+
 bool RestingShape::rest(OneWay& way, const Eigen::VectorXd& placement,
                         const Eigen::VectorXd& guess) {
   placement_ = placement;
@@ -128,64 +227,26 @@ bool RestingShape::rest(OneWay& way, const Eigen::VectorXd& placement,
       turned_[k + 1] = turned_[k] + strain_[k] / 3.0 * cell_ +
                        (k == middle ? placement_[static_cast<Eigen::Index>(3 + 3 * r)] : 0.0);
   }
+  directions_.resize(cells_ + 1);
+  unknowns_.resize(count_);
+  strain_at_.setZero(cells_);
   torque_.setZero(cells_);
   tangent_.setZero(cells_);
   law_at_.setZero(cells_);
-  directions_.resize(cells_ + 1);
-  Eigen::VectorXd unknowns(count_);
-  for (int i = cells_; i >= 0; --i)
-    if (unknown_[static_cast<std::size_t>(i)] >= 0)
-      unknowns[unknown_[static_cast<std::size_t>(i)]] = guess[i] - turned_[i];
-  unknowns_to_directions(unknowns);
-  assemble(way);
-  const double scale = 0.5 * weight_ * length_ * length_;
-  constexpr int kMaxSteps = 100;
-  constexpr double kSmall = 1e-11;    // of the strip's weight on its length
-  constexpr double kFarthest = 0.3;   // rad in one step
-  bool is_last = false;
-  Eigen::VectorXd step;
-  for (int i = 0; i < kMaxSteps; ++i) {
-    if (!reduced_.allFinite()) return false;
-    double shift = 0.0;
-    const double least = 1e-6 * matrix_diagonal_.cwiseAbs().maxCoeff();
-    while (!factorise(shift)) {
-      shift = std::max(least, 4.0 * shift);
-      if (!std::isfinite(shift)) return false;
-    }
-    // one more step from where it is small: quadratic, down to rounding
-    if (is_last && shift > 0.0) return false;
-    step = -reduced_;
-    solve(step);
-    const double largest = step.size() > 0 ? step.cwiseAbs().maxCoeff() : 0.0;
-    double share = std::min(1.0, kFarthest / std::max(largest, 1e-300));
-    const double slope = step.dot(reduced_);
-    const Eigen::VectorXd from = unknowns;
-    double inside = 0.0;
-    double outside = 0.0;
-    constexpr int kTrials = 25;
-    for (int trial = 0; trial < kTrials; ++trial) {
-      unknowns = from + share * step;
-      unknowns_to_directions(unknowns);
-      assemble(way);
-      if (is_last) break;
-      const double now = step.dot(reduced_);
-      if (std::abs(now) <= 0.7 * std::abs(slope) || reduced_.lpNorm<Eigen::Infinity>() <= kSmall * scale)
-        break;
-      if (now < 0.0) {
-        if (outside == 0.0) break;  // still falling at the whole step
-        inside = share;
-      } else {
-        outside = share;
-      }
-      share = 0.5 * (inside + outside);
-    }
-    if (is_last) {
-      lay_out();
-      return factorise(0.0);
-    }
-    is_last = reduced_.lpNorm<Eigen::Infinity>() <= kSmall * scale;
+  const auto begin = [&] {
+    for (int i = cells_; i >= 0; --i)
+      if (const int u = unknown_[static_cast<std::size_t>(i)]; u >= 0)
+        unknowns_[u] = guess[i] - turned_[i];
+    turn();
+    touch(way);
+  };
+  begin();
+  if (count_ > 0 && !leap(way)) {
+    begin();
+    if (!creep(way)) return false;
   }
-  return false;
+  lay_out();
+  return true;
 }
 
 // K d theta = - d force: parameters act through the torque of cells, the placement through the
@@ -229,7 +290,8 @@ void RestingShape::differentiate(OneWay& way, int parameters) {
   for (int column = 0; column < columns; ++column) {
     right.setZero();
     for (int i = 0; i <= cells_; ++i)
-      if (const int u = unknown_[static_cast<std::size_t>(i)]; u >= 0) right[u] -= pushed(i, column);
+      if (const int u = unknown_[static_cast<std::size_t>(i)]; u >= 0)
+        right[u] -= pushed(i, column);
     solve(right);
     for (int i = 0; i <= cells_; ++i)
       if (const int u = unknown_[static_cast<std::size_t>(i)]; u >= 0)

@@ -59,9 +59,15 @@ class RestingShape {
   void place_by(double arc_m, Eigen::Matrix<double, 3, Eigen::Dynamic>& by) const;
 
  private:
-  void unknowns_to_directions(const Eigen::VectorXd& unknowns);
-  void assemble(OneWay& way);
-  bool factorise(double shift);
+  void turn();
+  double torque_at(int cell) const;
+  double meet(OneWay& way);
+  void touch(OneWay& way);
+  bool is_small(double torque) const;
+  bool leap(OneWay& way);
+  bool creep(OneWay& way);
+  void assemble(double held_back);
+  bool factorise();
   void solve(Eigen::VectorXd& x) const;
   void lay_out();
   Place within(int cell, double way) const;
@@ -77,15 +83,16 @@ class RestingShape {
   std::vector<bool> is_held_;
   int count_ = 0;
 
-  Eigen::VectorXd placement_, directions_;
-  Eigen::VectorXd torque_, tangent_, law_at_;  ///< of cells
-  Eigen::VectorXd force_;                      ///< of borders: slope of the work
-  Eigen::VectorXd diagonal_, beside_;          ///< of borders: tridiagonal second derivatives
+  Eigen::VectorXd placement_, unknowns_, directions_;
+  /// Of cells: the line that stands for the law, torque_ at strain_at_ with slope tangent_.
+  Eigen::VectorXd strain_at_, torque_, tangent_, law_at_;
+  Eigen::VectorXd force_;              ///< of borders: slope of the work
+  Eigen::VectorXd diagonal_, beside_;  ///< of borders: tridiagonal second derivatives
   Eigen::VectorXd reduced_, matrix_diagonal_, matrix_beside_;  ///< of unknowns
   Eigen::VectorXd pivot_, lower_;
   int snapped_ = 0;
-  Eigen::VectorXd x_, y_;                                         ///< at borders
-  Eigen::MatrixXd directions_by_, x_by_, y_by_;                   ///< borders x columns
+  Eigen::VectorXd x_, y_;                        ///< at borders
+  Eigen::MatrixXd directions_by_, x_by_, y_by_;  ///< borders x columns
   int parameters_ = 0;
 };
 

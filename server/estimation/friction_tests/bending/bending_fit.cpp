@@ -136,7 +136,7 @@ Expected<FitResult> fit_shapes(ContourErrors& errors, const model::Model& model,
                                const std::vector<FrictionValues>& starts,
                                const FitOptions& options) {
   constexpr int kMaxRounds = 40;
-  constexpr double kStill = 1e-6;  // of the cost: a hundredth of what one noise counts
+  constexpr double kStill = 2e-5;  // of the cost: a tenth of what one noise counts, of 5000 rows
   FitOptions few = options;
   few.max_iterations = std::min(options.max_iterations, 5);
   FitResult best;

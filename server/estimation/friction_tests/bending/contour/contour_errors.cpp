@@ -72,6 +72,7 @@ ContourErrors::ContourErrors(StrainPoint point,
       strip.read.directions[i] = profile.curve.direction(i * profile.curve.length_m() / cells);
     for (int r = 0; r < strip.row_count(); ++r) rows_.push_back({0, 0, row_count(), profile.group});
     strip.at = strip.read;
+    strip.placed.resize(strip.row_count(), 0);
     strips_.push_back(std::move(strip));
   }
   reach_ *= 1.5;

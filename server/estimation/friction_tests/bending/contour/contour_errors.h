@@ -34,12 +34,13 @@ class ContourErrors final : public ResidualFunction {
   [[nodiscard]] mechanics::PathStatus evaluate(const Eigen::VectorXd& parameters,
                                                Eigen::VectorXd& residuals,
                                                RowMatrix* jacobian) override;
-  /// Finds each strip's placement; required before evaluate().
+  /// Finds each strip's placement, from that at the last reference; before any, it is as read, and
+  /// nothing is taken out.
   [[nodiscard]] mechanics::PathStatus set_reference(const Eigen::VectorXd& parameters);
 
   /// Mean strain of the model's strip over each sample of the profiles, at the last evaluation.
   const std::vector<double>& predicted() const { return predicted_; }
-  /// Samples that are past a snap, or partly so.
+  /// Strips that are past a snap somewhere.
   int snapped() const { return snapped_; }
 
  private:

@@ -171,7 +171,10 @@ Expected<void> finish(ContourErrors& errors, const std::vector<ProfileSamples>& 
   friction.noise = mean_noise(shared);
   friction.lacks = lacks_of(shared);
   const MakeFunction make = [&] { return std::make_unique<ContourErrors>(errors); };
-  judge(make, model, options, friction);
+  // refits of a profile start next to where they end
+  FrictionFitOptions near = options;
+  near.fit.max_iterations = std::min(options.fit.max_iterations, 8);
+  judge(make, model, near, friction);
   return {};
 }
 

@@ -184,7 +184,7 @@ bool RestingShape::leap(OneWay& way) {
 
 // The same down the work, every cell held back by a viscosity that goes as the steps succeed.
 bool RestingShape::creep(OneWay& way) {
-  constexpr int kMaxSteps = 600;
+  constexpr int kMaxSteps = 200;
   double held_back = 1.0 / way.softness();
   const double least = 1e-8 * held_back;
   Eigen::VectorXd step, before;

@@ -7,7 +7,8 @@
 //
 // 5.4 takes the measured anchor for the true one, friction there for saturated, and leaves b tau
 // out. So this is where a fit starts from (anchored_start.h) and what it is compared with; what
-// is reported comes from the whole path (stretch/length_errors.h, bending/torque_errors.h).
+// is reported comes from the whole path (stretch/length_errors.h,
+// bending/contour/contour_errors.h).
 //
 // One row per reading that has an anchor, r = f / sigma_load, parameters as in friction_model.h,
 // exact Jacobian. One thread per object.

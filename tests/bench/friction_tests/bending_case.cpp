@@ -45,26 +45,20 @@ estimation::BendingTests BendingRig::photographed(std::uint64_t seed) const {
   return tests;
 }
 
-CoverageTable bending_coverage(const BendingRig& rig, int seeds, bool profiles) {
-  CoverageTable coverage(rig.sample());
-  for (int seed = 1; seed <= seeds; ++seed) {
-    const auto found = fit_bending(rig.photographed(static_cast<std::uint64_t>(seed)), "bend_v",
-                                   {.profiles = profiles});
-    if (found) {
-      coverage.add(found->friction);
-      if (seed == 1)
-        std::printf(
-            "\n%s, first seed: %d strips at no rest in the twin, %d of %d samples left "
-            "out, cantilever alone k1 %.4g k2 %.4g, points' noise %.3g mm\n",
-            rig.sample().name.c_str(), rig.restless(), found->left_out,
-            found->left_out + static_cast<int>(found->predicted.size()), found->cantilever.k1,
-            found->cantilever.k2, 1e3 * found->friction.noise);
-    } else {
-      if (seed == 1) std::printf("\n%s\n", found.error().message.c_str());
-      coverage.add_failure();
-    }
-  }
-  return coverage;
+CoverageTable bending_coverage(const BendingRig& rig, const CoverageOptions& options) {
+  return covered(rig.sample(), options, [&](int seed) -> Expected<estimation::FrictionEstimate> {
+    auto found = fit_bending(rig.photographed(static_cast<std::uint64_t>(seed)), "bend_v",
+                             {.profiles = options.profiles});
+    if (!found) return tl::unexpected(found.error());
+    if (seed == 1)
+      std::printf(
+          "\n%s, first seed: %d strips at no rest in the twin, %d of %d samples left out, "
+          "cantilever alone k1 %.4g k2 %.4g, points' noise %.3g mm\n",
+          rig.sample().name.c_str(), rig.restless(), found->left_out,
+          found->left_out + static_cast<int>(found->predicted.size()), found->cantilever.k1,
+          found->cantilever.k2, 1e3 * found->friction.noise);
+    return std::move(found->friction);
+  });
 }
 
 }  // namespace tenter::bench

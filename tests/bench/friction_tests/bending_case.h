@@ -26,6 +26,6 @@ class BendingRig {
   int restless_ = 0;
 };
 
-CoverageTable bending_coverage(const BendingRig& rig, int seeds, bool profiles);
+CoverageTable bending_coverage(const BendingRig& rig, const CoverageOptions& options);
 
 }  // namespace tenter::bench

@@ -3,6 +3,10 @@
 
 #include <cmath>
 #include <cstdio>
+#include <ctime>
+#include <optional>
+
+#include "server/estimation/parallel.h"
 
 namespace tenter::bench {
 namespace {
@@ -48,8 +52,9 @@ void CoverageTable::add(const estimation::FrictionEstimate& found) {
 }
 
 void CoverageTable::print() const {
-  std::printf("\n%s: %d seeds, %d failed, chi2 per row %.3f\n", name_.c_str(), seeds_, failed_,
-              chi2_per_row_ / seeds_);
+  if (seeds_ == 0) return void(std::printf("\n%s: %d failed\n", name_.c_str(), failed_));
+  std::printf("\n%s: %d seeds, %d failed, chi2 per row %.3f, %.2f s a seed\n", name_.c_str(),
+              seeds_, failed_, chi2_per_row_ / seeds_, seconds_ / (seeds_ + failed_));
   std::printf("%-11s %10s %10s %9s %9s %9s %6s %5s  %s\n", "", "truth", "papers'", "mean off",
               "spread", "std error", "told", "held", "first seed");
   for (std::size_t k = 0; k < columns_.size(); ++k) {
@@ -62,6 +67,44 @@ void CoverageTable::print() const {
                 c.first.c_str());
   }
   std::fflush(stdout);
+}
+
+CoverageTable covered(const twin::FrictionSample& sample, const CoverageOptions& options,
+                      const std::function<Expected<estimation::FrictionEstimate>(int seed)>& find) {
+  const auto now = [] {
+    timespec at{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &at);
+    return static_cast<double>(at.tv_sec) + 1e-9 * static_cast<double>(at.tv_nsec);
+  };
+  struct Seed {
+    std::optional<Expected<estimation::FrictionEstimate>> found;
+    double seconds = 0.0;
+  };
+  std::vector<Seed> seeds(static_cast<std::size_t>(options.seeds));
+  estimation::in_parallel(options.threads, options.seeds, [&](int, int i) {
+    Seed& seed = seeds[static_cast<std::size_t>(i)];
+    const double begin = now();
+    seed.found = find(options.first + i);
+    seed.seconds = now() - begin;
+    if (!*seed.found) return;
+    // of 200 seeds, what a table reads is kept and no more
+    estimation::FrictionEstimate& kept = **seed.found;
+    kept.fit.jacobian.resize(0, 0);
+    kept.profiles.clear();
+  });
+  CoverageTable table(sample);
+  bool has_failed = false;
+  for (const Seed& seed : seeds) {
+    table.add_seconds(seed.seconds);
+    if (*seed.found) {
+      table.add(**seed.found);
+      continue;
+    }
+    if (!has_failed) std::printf("\n%s\n", seed.found->error().message.c_str());
+    has_failed = true;
+    table.add_failure();
+  }
+  return table;
 }
 
 }  // namespace tenter::bench

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,11 +12,19 @@
 
 namespace tenter::bench {
 
+struct CoverageOptions {
+  int first = 1;  ///< seed
+  int seeds = 200;
+  int threads = 1;
+  bool profiles = false;  ///< intervals from profiles of the likelihood, else from the covariance
+};
+
 class CoverageTable {
  public:
   explicit CoverageTable(const twin::FrictionSample& sample);
   void add(const estimation::FrictionEstimate& found);
   void add_failure() { ++failed_; }
+  void add_seconds(double seconds) { seconds_ += seconds; }
   /// Of the first seed, as a row of tables 5.1, 5.2, and of all.
   void print() const;
 
@@ -32,6 +41,12 @@ class CoverageTable {
   int seeds_ = 0;
   int failed_ = 0;
   double chi2_per_row_ = 0.0;
+  double seconds_ = 0.0;
 };
+
+/// The table over seeds first, first + 1, ... of what `find` finds; the same for any number of
+/// threads. A reason for the first that fails is printed.
+CoverageTable covered(const twin::FrictionSample& sample, const CoverageOptions& options,
+                      const std::function<Expected<estimation::FrictionEstimate>(int seed)>& find);
 
 }  // namespace tenter::bench

@@ -6,6 +6,6 @@
 
 namespace tenter::bench {
 
-CoverageTable hanging_coverage(const twin::FrictionSample& sample, int seeds, bool profiles);
+CoverageTable hanging_coverage(const twin::FrictionSample& sample, const CoverageOptions& options);
 
 }  // namespace tenter::bench

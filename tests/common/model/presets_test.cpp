@@ -10,7 +10,7 @@ namespace tenter::model {
 namespace {
 
 TEST(Presets, EachParsesUnderItsOwnNameAndRoundTrips) {
-  ASSERT_EQ(preset_names().size(), 27u);
+  ASSERT_EQ(preset_names().size(), 28u);
   for (const std::string& name : preset_names()) {
     const Expected<Model> model = preset(name);
     ASSERT_TRUE(model) << model.error().message;
@@ -66,6 +66,27 @@ TEST(Presets, SplineVariantsHaveFivePointsAndLeaveTheRangeToTheFit) {
       EXPECT_EQ(term.law.range_lo, term.law.range_hi);
     }
     EXPECT_GE(splines, 1) << name;
+  }
+}
+
+TEST(Presets, SplinesWithFrictionAreTheSplinesBesideTheFriction) {
+  const std::vector<Term> splines = preset("cloth_stvk_spline")->terms;
+  const std::vector<Term> linear = preset("cloth_stvk_friction")->terms;
+  const std::vector<Term> both = preset("cloth_stvk_spline_friction")->terms;
+  ASSERT_EQ(both.size(), splines.size() + 3);
+  for (std::size_t i = 0; i < both.size(); ++i) {
+    // the linear model has as many elastic terms, its frictions behind them
+    const Term& expected = i < splines.size() ? splines[i] : linear[i];
+    EXPECT_EQ(both[i].id, expected.id);
+    EXPECT_EQ(both[i].strain.name, expected.strain.name);
+    EXPECT_EQ(both[i].law.name, expected.law.name);
+    EXPECT_EQ(both[i].law.name == "dahl", i >= splines.size());
+    ASSERT_EQ(both[i].law.parameters.size(), expected.law.parameters.size());
+    for (std::size_t k = 0; k < expected.law.parameters.size(); ++k) {
+      EXPECT_EQ(both[i].law.parameters[k].name, expected.law.parameters[k].name);
+      EXPECT_EQ(both[i].law.parameters[k].value, expected.law.parameters[k].value);
+      EXPECT_EQ(both[i].law.parameters[k].fixed, expected.law.parameters[k].fixed);
+    }
   }
 }
 

@@ -4,8 +4,9 @@
 // The papers take k1, k2 from the cantilevers as if these had no friction, then sigma_max and tau
 // from the spirals: that is the start (anchored_start.h; `papers` of the estimate). A strip that
 // bends from flat works against friction too, which makes it look stiffer; so the result is a fit
-// of all five to both at once, each along its own way (torque_errors.h). Without cantilevers the
-// same, from spirals alone: where those do not tell the stiffness, the words say so.
+// of all five to both at once, each along its own way, so that the strips hang where their points
+// were seen (contour/contour_errors.h). Without cantilevers the same, from spirals alone: where
+// those do not tell the stiffness, the words say so.
 //
 // One sense of curvature at a time (by_sense of strip_test.h).
 //
@@ -27,7 +28,7 @@ struct BendingEstimate {
   FrictionEstimate friction;
   FrictionValues cantilever;             ///< k1 and k2 as the papers take them; 0 without any
   std::vector<ProfileSamples> profiles;  ///< one a strip
-  std::vector<double> predicted;         ///< strain of every sample, in their order (1/m)
+  std::vector<double> predicted;         ///< the model's mean strain over each sample (1/m)
   int left_out = 0;                      ///< samples where gravity and elasticity oppose
 };
 

@@ -253,7 +253,9 @@ Expected<ProfileCurve> ProfileCurve::fitted(const std::vector<ContourPoint>& poi
     curve.intervals_ = intervals;
     curve.start(points, chords.places, chords.directions);
     std::vector<double> arcs = chords.arcs;
-    return curve.improve(points, arcs);
+    const bool is_followed = curve.improve(points, arcs);
+    curve.arcs_ = std::move(arcs);
+    return is_followed;
   };
   ProfileCurve best;
   int chosen = options.intervals;

@@ -48,6 +48,8 @@ class ProfileCurve {
 
   double length_m() const { return length_; }
   int intervals() const { return intervals_; }
+  /// Where along the strip each point lies, the first and the last at its ends (m).
+  const std::vector<double>& arcs() const { return arcs_; }
   /// Standard deviation of a point across the curve (m).
   double noise_m() const { return noise_; }
   /// rms distance of the points from the curve (m).
@@ -81,6 +83,7 @@ class ProfileCurve {
   int intervals_ = 0;
   double noise_ = 0.0;
   double rms_ = 0.0;
+  std::vector<double> arcs_;
   ContourPoint origin_;
   Eigen::VectorXd coefficients_;
   Eigen::MatrixXd covariance_;  ///< of the coefficients

@@ -21,9 +21,6 @@ TorqueErrors::TorqueErrors(StrainPoint point,
   for (const ProfileSamples& profile : *profiles_) {
     const Eigen::MatrixXd covariance = profile.strain_scatter * profile.strain_scatter.transpose();
     factors_.emplace_back(covariance.llt().matrixL());
-    const auto samples = static_cast<Eigen::Index>(profile.samples.size());
-    rounded_.push_back(
-        {Eigen::VectorXd::Zero(samples), Eigen::VectorXd::Zero(samples * kTorquesPerSample)});
   }
 }
 
@@ -33,35 +30,6 @@ void TorqueErrors::read_torques(std::size_t number) {
   Eigen::Index at = 0;
   for (const TorqueSample& sample : profile.samples)
     for (const double torque : sample.torque) torques_[at++] = torque;
-  torques_ -= rounded_[number].torque;
-}
-
-// Curvatures where the model rests under the torques that were read; where the strip did not go one
-// way, those that were seen.
-void TorqueErrors::look_at_rounding(std::size_t number, const Eigen::VectorXd& parameters) {
-  const ProfileSamples& profile = (*profiles_)[number];
-  const int cells = rounding_cells(profile);
-  const double cell = profile.curve.length_m() / cells;
-  std::vector<int> predicted;
-  std::vector<double> torques;
-  Eigen::VectorXd strain(cells);
-  for (int i = 0; i < cells; ++i) {
-    const double arc = (i + 0.5) * cell;
-    const bool is_kept = std::any_of(profile.samples.begin(), profile.samples.end(),
-                                     [&](const TorqueSample& sample) {
-                                       return std::abs(arc - sample.arc_m) <= 0.5 * profile.width_m;
-                                     });
-    strain[i] = 3.0 * profile.curve.curvature(arc);
-    if (!is_kept) continue;
-    predicted.push_back(i);
-    torques.push_back(profile.curve.torque(arc, profile.weight_N_m2));
-  }
-  torques_ =
-      Eigen::Map<const Eigen::VectorXd>(torques.data(), static_cast<Eigen::Index>(torques.size()));
-  if (predict(profile.anchor, parameters) != PathStatus::ok) return;
-  for (std::size_t k = 0; k < predicted.size(); ++k)
-    strain[predicted[k]] = strains_[static_cast<Eigen::Index>(k)];
-  if (auto off = rounded_off(profile, strain)) rounded_[number] = std::move(*off);
 }
 
 // Torques of one side of the anchor's, those next to it first: one way, walked once.
@@ -81,7 +49,6 @@ PathStatus TorqueErrors::walk_side(double anchor, const Eigen::VectorXd& paramet
     strains_[i] = walk_.strain;
     strains_by_p_.row(i) = walk_.strain_by_p.transpose();
   }
-  snapped_ += walk_.snapped;
   return PathStatus::ok;
 }
 
@@ -96,7 +63,6 @@ PathStatus TorqueErrors::set_reference(const Eigen::VectorXd& parameters) {
   std::vector<Eigen::MatrixXd> factors = factors_;
   for (std::size_t i = 0; i < profiles_->size(); ++i) {
     const ProfileSamples& profile = (*profiles_)[i];
-    look_at_rounding(i, parameters);
     read_torques(i);
     const Eigen::VectorXd errors = profile.torque_scatter.rowwise().norm();
     const Eigen::VectorXd torques = torques_;
@@ -135,9 +101,7 @@ PathStatus TorqueErrors::evaluate(const Eigen::VectorXd& parameters, Eigen::Vect
                                   RowMatrix* jacobian) {
   const auto count = static_cast<Eigen::Index>(rows_.size());
   residuals.resize(count);
-  predicted_.resize(count);
   if (jacobian != nullptr) jacobian->resize(count, parameter_count());
-  snapped_ = 0;
   Eigen::Index first = 0;
   for (std::size_t i = 0; i < profiles_->size(); ++i) {
     const ProfileSamples& profile = (*profiles_)[i];
@@ -149,10 +113,7 @@ PathStatus TorqueErrors::evaluate(const Eigen::VectorXd& parameters, Eigen::Vect
     block_.setZero(rows, parameter_count());
     for (Eigen::Index k = 0; k < rows; ++k) {
       const auto places = strains_.segment(k * kTorquesPerSample, kTorquesPerSample);
-      predicted_[first + k] = places.mean();
-      residuals[first + k] = predicted_[first + k] -
-                             profile.samples[static_cast<std::size_t>(k)].strain +
-                             rounded_[i].strain[k];
+      residuals[first + k] = places.mean() - profile.samples[static_cast<std::size_t>(k)].strain;
       block_.row(k) =
           strains_by_p_.middleRows(k * kTorquesPerSample, kTorquesPerSample).colwise().mean();
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a fit to spirals and cantilevers makes small: the curvature at which the model holds the
+// From which a fit to spirals and cantilevers starts: the curvature at which the model holds the
 // torque of the weight, against the curvature that was seen.
 //
 //   r_i = ( mean_q eps(T_iq) - eps_i ) / sigma_i
@@ -12,8 +12,10 @@
 // taken over one standard deviation to either side, and what of that is not linear is added as a
 // scatter of its own: beside a snap both are large, and the sample hardly counts.
 //
-// A spline rounds off what bends sharply. By how much is told by one through the contour that the
-// model predicts at the reference (rounded_off.h); that is taken off what was read, T and eps.
+// Strain is no smooth function of the torque where a strip rests at a snap, and a spline rounds off
+// what bends sharply: off by some of its errors, this is near enough to begin with, and needs no
+// more than a strain and a torque. What is reported comes from the strips' shapes
+// (contour/contour_errors.h).
 //
 // One row per kept sample, blocks are strips of one radius. Exact Jacobian (the whitening held).
 // Cost: about 4 evaluations of the laws per torque. One thread per object.
@@ -22,7 +24,6 @@
 #include <memory>
 #include <vector>
 
-#include "server/estimation/friction_tests/bending/rounded_off.h"
 #include "server/estimation/friction_tests/bending/torque_samples.h"
 #include "server/estimation/friction_tests/strain_point.h"
 #include "server/estimation/residual_function.h"
@@ -40,31 +41,21 @@ class TorqueErrors final : public ResidualFunction {
                                                RowMatrix* jacobian) override;
   [[nodiscard]] mechanics::PathStatus set_reference(const Eigen::VectorXd& parameters);
 
-  /// Predicted mean strain of each row at the last evaluation.
-  const Eigen::VectorXd& predicted() const { return predicted_; }
-  int snapped() const { return snapped_; }
-
  private:
   /// Fills strains_ and strains_by_p_ for the torques_.
   [[nodiscard]] mechanics::PathStatus predict(double anchor, const Eigen::VectorXd& parameters);
   [[nodiscard]] mechanics::PathStatus walk_side(double anchor, const Eigen::VectorXd& parameters,
                                                 bool up);
-  /// As read, without what the spline rounded off at the reference.
   void read_torques(std::size_t profile);
-  /// What splines round off contours that the model predicts.
-  void look_at_rounding(std::size_t profile, const Eigen::VectorXd& parameters);
 
   StrainPoint point_;
   std::shared_ptr<const std::vector<ProfileSamples>> profiles_;
   std::vector<Row> rows_;
   std::vector<Eigen::MatrixXd> factors_;  ///< of each profile's covariance, lower
-  std::vector<RoundedOff> rounded_;       ///< of each profile
   StrainPoint::Walk walk_;
-  int snapped_ = 0;
   std::vector<int> order_;
   Eigen::VectorXd torques_, strains_;  ///< of one profile
   RowMatrix strains_by_p_, block_;
-  Eigen::VectorXd predicted_;
 };
 
 }  // namespace tenter::estimation

@@ -25,7 +25,7 @@ ProfileSamples samples_of(const ProfileCurve& curve, const StripTest& strip, dou
   result.noise_m = curve.noise_m();
   result.intervals = curve.intervals();
   result.curve = curve;
-  result.points = static_cast<int>(strip.points.size());
+  result.points = strip.points;
   result.weight_N_m2 = weight;
   const Eigen::MatrixXd root = curve.covariance().llt().matrixL();
   const Eigen::Index coefficients = root.cols();

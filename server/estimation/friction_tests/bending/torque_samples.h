@@ -38,9 +38,9 @@ struct ProfileSamples {
   double noise_m = 0.0;
   int intervals = 0;  ///< of the profile's spline
   std::vector<TorqueSample> samples;
-  int left_out = 0;          ///< pieces where gravity and elasticity oppose
-  ProfileCurve curve;        ///< of which all this was read
-  int points = 0;            ///< of the contour
+  int left_out = 0;    ///< pieces where gravity and elasticity oppose
+  ProfileCurve curve;  ///< of which all this was read
+  std::vector<ContourPoint> points;
   double width_m = 0.0;      ///< of a piece
   double weight_N_m2 = 0.0;  ///< rho g
   /// What strains and torques change by with the spline's coefficients (samples x coefficients, and

@@ -118,44 +118,6 @@ TEST(StripTests, PartTheSensesAndRefuseWhatTheyCannotUse) {
   EXPECT_NE(refused.error().message.find("strip 2"), std::string::npos);
 }
 
-// A strip that is straight and then, from one place on, bent: what a spline says of it is wrong by
-// just what rounded_off() finds, curvature and torque alike.
-TEST(RoundedOff, IsWhatASplineMakesOfASharpBend) {
-  constexpr double kLength = 0.1, kBend = 60.0, kFrom = 0.047, kWeight = 2.0;
-  constexpr int kPoints = 201, kFine = 40;
-  const auto bent = [](double arc) { return arc < kFrom ? 0.0 : kBend; };
-  std::vector<ContourPoint> points = {{0.0, 0.0}};
-  ContourPoint place;
-  const double cell = kLength / ((kPoints - 1) * kFine);
-  for (int i = 0; i < (kPoints - 1) * kFine; ++i) {
-    const double turned = std::max(0.0, (i + 0.5) * cell - kFrom) * kBend / 3.0;
-    place.x_m += cell * std::cos(turned);
-    place.y_m += cell * std::sin(turned);
-    if ((i + 1) % kFine == 0) points.push_back(place);
-  }
-  auto profiles = sampled(BendingTests{{{points, kLength, 0.0}}, kWeight / kGravity, kGravity, 5});
-  ASSERT_TRUE(profiles) << profiles.error().message;
-  ProfileSamples& profile = profiles->front();
-  ASSERT_EQ(profile.samples.size(), 5U);
-  const int cells = rounding_cells(profile);
-  Eigen::VectorXd strain(cells);
-  for (int i = 0; i < cells; ++i) strain[i] = bent((i + 0.5) * kLength / cells);
-  const auto off = rounded_off(profile, strain);
-  ASSERT_TRUE(off);
-  double raw = 0.0, left = 0.0;
-  for (std::size_t k = 0; k < profile.samples.size(); ++k) {
-    double truth = 0.0;  // as predicted means are taken
-    for (int q = 0; q < kTorquesPerSample; ++q)
-      truth += bent(kLength / 5 * (static_cast<double>(k) + (q + 0.5) / kTorquesPerSample)) /
-               kTorquesPerSample;
-    const double missed = profile.samples[k].strain - truth;
-    raw = std::max(raw, std::abs(missed));
-    left = std::max(left, std::abs(missed - off->strain[static_cast<Eigen::Index>(k)]));
-  }
-  ASSERT_GT(raw, 0.005 * kBend);
-  EXPECT_LT(left, 0.1 * raw);
-}
-
 TEST(TorqueErrors, HaveTheirDerivatives) {
   const twin::FrictionSample& cloth = twin::bending_samples()[1];
   const auto profiles = sampled(tests_of(cloth, {0.0, 10.0, 31.5}, 1e-4));

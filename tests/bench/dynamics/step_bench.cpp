@@ -296,10 +296,11 @@ void print_friction(const Bench& elastic, const Bench& friction) {
     print_cost(way.name, with.mean_ms(), floor, with.cost);
     print_cost("  without, in its own motion", own.mean_ms(), floor, own.cost);
     print_cost("  without, from the same states", same.mean_ms(), floor, same.cost);
-    std::printf("  friction costs %.2f times the steps without in their own motion (medians: %.2f), "
-                "%.2f times those from the same states (%.2f)\n",
-                with.mean_ms() / own.mean_ms(), with.median_ms() / own.median_ms(),
-                with.mean_ms() / same.mean_ms(), with.median_ms() / same.median_ms());
+    std::printf(
+        "  friction costs %.2f times the steps without in their own motion (medians: %.2f), "
+        "%.2f times those from the same states (%.2f)\n",
+        with.mean_ms() / own.mean_ms(), with.median_ms() / own.median_ms(),
+        with.mean_ms() / same.mean_ms(), with.median_ms() / same.median_ms());
     std::fflush(stdout);
   }
 }

@@ -55,7 +55,8 @@ std::vector<std::vector<std::size_t>> nearest_points(const Sequence& sequence) {
 }
 
 /// Points, each less the mean of the nearest ones': a misfit that is smooth over the material goes.
-void add_points(const Frames& frames, const Sequence& sequence, const Table& table, Looks& looks) {
+void add_points(const FrameContrasts& frames, const Sequence& sequence, const Table& table,
+                Looks& looks) {
   const auto nearest = nearest_points(sequence);
   std::vector<double> value(3 * nearest.size());
   const auto all = frames.looks();
@@ -145,7 +146,7 @@ FieldNoise estimate_field_noise(const FieldData& data, const std::vector<Row>& r
   for (std::size_t s = 0; s < data.sequences.size(); ++s) {
     const Sequence& sequence = data.sequences[s];
     const estimation::Observations seen(sequence);
-    const Frames frames(sequence);
+    const FrameContrasts frames(sequence);
     const std::size_t points = sequence.points.size() >= kFewestPoints ? sequence.points.size() : 0;
     std::vector<std::vector<int>> of_kind;  // in the order of first channels, as kind_places() has
     int place_of[3] = {-1, -1, -1};

@@ -11,11 +11,11 @@ namespace {
 
 using estimation::Sequence;
 
-constexpr std::size_t kFewest = 8;  // values that a spread is taken of
-constexpr double kSame_m = 5e-4;    // poses that are equal
+constexpr std::size_t kFewestValues = 8;  // values that a spread is taken of
+constexpr double kSamePose_m = 5e-4;      // poses that are equal
 /// Of the median magnitude of n overlapping contrasts of white noise, times sqrt n; of differences
 /// of second to sixth order alike (1.4 to 1.6).
-constexpr double kError = 1.6;
+constexpr double kMedianError = 1.6;
 constexpr std::size_t kOrders = kHighestOrder - kLowestOrder + 1;
 
 /// Where the clips are and what is held, in numbers of metres.
@@ -66,8 +66,8 @@ std::vector<double> way_of(const std::vector<Eigen::VectorXd>& poses, std::size_
 }
 
 /// 1.4826 median magnitude; none where there are too few.
-std::optional<double> robust_spread(std::vector<double> values) {
-  if (values.size() < kFewest) return std::nullopt;
+std::optional<double> median_spread(std::vector<double> values) {
+  if (values.size() < kFewestValues) return std::nullopt;
   for (double& v : values) v = std::abs(v);
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -76,7 +76,7 @@ std::optional<double> robust_spread(std::vector<double> values) {
 
 Scatter scatter_of(const std::vector<double>& values) {
   Scatter scatter;
-  scatter.spread = robust_spread(values).value_or(0.0);
+  scatter.spread = median_spread(values).value_or(0.0);
   scatter.values = static_cast<int>(values.size());
   return scatter;
 }
@@ -110,7 +110,7 @@ double Contrast::of(const std::vector<double>& values) const {
   return sum;
 }
 
-Frames::Frames(const Sequence& sequence) : differences(kOrders) {
+FrameContrasts::FrameContrasts(const Sequence& sequence) : differences(kOrders) {
   const std::size_t count = sequence.frames.size();
   std::vector<Eigen::VectorXd> poses, motion(count);
   for (std::size_t f = 0; f < count; ++f) poses.push_back(pose_of(sequence, f));
@@ -141,7 +141,7 @@ Frames::Frames(const Sequence& sequence) : differences(kOrders) {
     bool has_repeat = false, has_return = false;
     for (std::size_t g = f + 1; g < count && !(has_repeat && has_return); ++g) {
       if (sequence.frames[f].block == sequence.frames[g].block) continue;
-      if ((poses[f] - poses[g]).norm() > kSame_m) continue;
+      if ((poses[f] - poses[g]).norm() > kSamePose_m) continue;
       const Contrast pair{{static_cast<int>(f), static_cast<int>(g)}, {half, -half}};
       if (!has_return) returns.push_back(pair);
       has_return = true;
@@ -153,7 +153,7 @@ Frames::Frames(const Sequence& sequence) : differences(kOrders) {
   }
 }
 
-std::vector<const std::vector<Contrast>*> Frames::looks() const {
+std::vector<const std::vector<Contrast>*> FrameContrasts::looks() const {
   std::vector<const std::vector<Contrast>*> all;
   for (const auto& of_order : differences) all.push_back(&of_order);
   all.push_back(&repeats);
@@ -162,12 +162,12 @@ std::vector<const std::vector<Contrast>*> Frames::looks() const {
 }
 
 double Scatter::error() const {
-  return kError / std::sqrt(static_cast<double>(std::max(1, values)));
+  return kMedianError / std::sqrt(static_cast<double>(std::max(1, values)));
 }
 
 Looks::Looks() : values_(kOrders + 2) {}
 
-void Looks::add(const Frames& frames, const std::vector<double>& values) {
+void Looks::add(const FrameContrasts& frames, const std::vector<double>& values) {
   const auto looks = frames.looks();
   for (std::size_t k = 0; k < looks.size(); ++k)
     for (const Contrast& contrast : *looks[k]) add(k, contrast.of(values));

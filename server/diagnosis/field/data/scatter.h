@@ -15,7 +15,7 @@
 // three counts, each with a standard error for what it may be too small by. It is a bound, noise is
 // no larger, unless the differences stopped falling, or repeats show it, or another look agrees.
 //
-//   Frames frames(sequence);                                      // poses, ways, pairs
+//   FrameContrasts frames(sequence);                                      // poses, ways, pairs
 //   Looks looks;
 //   for (const auto& channel : channels) looks.add(frames, channel);     // of as many as one likes
 //   const Scatter scatter = looks.scatter();
@@ -42,8 +42,8 @@ struct Contrast {
 constexpr int kLowestOrder = 2, kHighestOrder = 6;
 
 /// The contrasts of a sequence.
-struct Frames {
-  explicit Frames(const estimation::Sequence& sequence);
+struct FrameContrasts {
+  explicit FrameContrasts(const estimation::Sequence& sequence);
 
   std::vector<std::vector<Contrast>> differences;  ///< [order - kLowestOrder]
   std::vector<Contrast> repeats, returns;
@@ -66,8 +66,8 @@ class Looks {
  public:
   Looks();
   /// `values`: one a frame; NaN where missing.
-  void add(const Frames& frames, const std::vector<double>& values);
-  /// A value of the look of this number, as Frames::looks has them.
+  void add(const FrameContrasts& frames, const std::vector<double>& values);
+  /// A value of the look of this number, as FrameContrasts::looks has them.
   void add(std::size_t look, double value);
   Scatter scatter() const;
 

@@ -142,9 +142,13 @@ Expected<mechanics::EquilibriumResult> ColumnWalk::come_to_rest(std::size_t f,
   history_.duration_s = measured.duration_s;
   auto solved =
       solver.solve(term_parameters_, loads, state, options, remembers_ ? &history_ : nullptr);
-  if (solved && !solved->is_good(options))
-    return fail(ErrorKind::refused, "sequence \"" + sequence_.name + "\", frame " +
-                                        std::to_string(f + 1) + ": " + describe(*solved, options));
+  const bool is_rest = solved && solved->is_good(options);
+  if (solved && (!is_rest || solver.factor() == nullptr))
+    return fail(ErrorKind::refused,
+                "sequence \"" + sequence_.name + "\", frame " + std::to_string(f + 1) + ": " +
+                    (is_rest ? "no derivative, since a motion of the sheet costs nothing; fix what "
+                               "the captures do not determine"
+                             : describe(*solved, options)));
   return solved;
 }
 

@@ -33,7 +33,7 @@ estimation::Sequence loops_of(int loops, int a_branch) {
 template <class Misfit>
 Scatter shown(const estimation::Sequence& sequence, const Misfit& misfit, double noise = 1.0,
               unsigned long long seed = 1) {
-  const Frames frames(sequence);
+  const FrameContrasts frames(sequence);
   Normal normal(seed);
   Looks looks;
   for (int c = 0; c < kChannels; ++c) {
@@ -78,7 +78,7 @@ TEST(Scatter, OfWhiteNoiseIsTheNoise) {
 /// A line through the neighbours of a frame would show several times the noise.
 TEST(Scatter, LeavesOutWhatIsCurved) {
   const auto sequence = loops_of(1, 8);
-  const Frames frames(sequence);
+  const FrameContrasts frames(sequence);
   std::vector<double> misfit;
   for (const auto& frame : sequence.frames)
     misfit.push_back(curved(frame.clips[0].position_m.x() / 0.01, 0));

@@ -28,7 +28,9 @@ TEST(SheetGenerator, MakesTheSameCaptureAgain) {
       EXPECT_EQ(one.forces_N, other.forces_N);
       for (Eigen::Index k = 0; k < one.points_m.cols(); ++k) {
         lost += std::isnan(one.points_m(0, k)) ? 1U : 0U;
-        if (!std::isnan(one.points_m(0, k))) EXPECT_EQ(one.points_m.col(k), other.points_m.col(k));
+        if (!std::isnan(one.points_m(0, k))) {
+          EXPECT_EQ(one.points_m.col(k), other.points_m.col(k));
+        }
       }
     }
   EXPECT_GT(lost, 0U);
@@ -68,6 +70,29 @@ TEST(SheetGenerator, BarsPullAgainstEachOther) {
     ASSERT_GT(frame.forces_N[0], 0.0);
     EXPECT_NEAR(frame.forces_N[0], frame.forces_N[1], 1e-4 * frame.forces_N[0]);
   }
+}
+
+/// What the twin's own spans are wrong by is below the noise, and far below the effects.
+TEST(SheetGenerator, ItsOwnSpansAreFineEnough) {
+  const SheetTwins twins = made({.suite = "sheet_markers", .seed = 3});
+  SheetSuite finer = twins.suite;
+  finer.span_m *= 0.6;
+  const auto again = perform(finer, twins.stated, {});
+  ASSERT_TRUE(again) << again.error().message;
+  const Hidden3 hidden = hidden_places(twins.suite, Random(1));
+  const SheetReadings coarse = read(twins.suite, twins.done, hidden, {});
+  const SheetReadings fine = read(finer, *again, hidden, {});
+  double points = 0.0, forces = 0.0, point_count = 0.0, force_count = 0.0;
+  for (std::size_t p = 0; p < coarse.plans.size(); ++p)
+    for (std::size_t f = 0; f < coarse.plans[p].size(); ++f) {
+      const auto &a = coarse.plans[p][f], &b = fine.plans[p][f];
+      points += (a.points_m - b.points_m).squaredNorm() / std::pow(twins.noise.points_m, 2);
+      forces += (a.forces_N - b.forces_N).squaredNorm() / std::pow(twins.noise.forces_N, 2);
+      point_count += static_cast<double>(a.points_m.size());
+      force_count += static_cast<double>(a.forces_N.size());
+    }
+  EXPECT_LT(std::sqrt(points / point_count), 0.5);
+  EXPECT_LT(std::sqrt(forces / force_count), 0.5);
 }
 
 TEST(SheetGenerator, EffectsAreAsLargeAsAsked) {

@@ -113,7 +113,8 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Examines the diagnosis on synthetic captures with hidden effects."};
-  app.add_flag("--full", options.full, "the whole examination, about half an hour on two cores");
+  app.add_flag("--full", options.full,
+               "the whole examination, some hours on two cores: sheets cost 10 to 20 s each");
   app.add_option("--effects", options.paper.effects, "ids of the effects to hide; default: all");
   app.add_option("--sizes", options.paper.sizes, "effect over noise; default: 3 10")
       ->check(CLI::PositiveNumber);

@@ -11,15 +11,15 @@
 #include "server/diagnosis/checks/checklist.h"
 #include "server/diagnosis/checks/refined_solve.h"
 #include "server/diagnosis/checks/repeats_check.h"
-#include "server/diagnosis/exchange.h"
-#include "server/diagnosis/gain.h"
-#include "server/diagnosis/model_edit.h"
-#include "server/diagnosis/path.h"
 #include "server/diagnosis/prepare.h"
-#include "server/diagnosis/score.h"
 #include "server/diagnosis/screening/shortlist.h"
-#include "server/diagnosis/standing.h"
-#include "server/diagnosis/verdicts.h"
+#include "server/diagnosis/trials/exchange.h"
+#include "server/diagnosis/trials/gain.h"
+#include "server/diagnosis/trials/model_edit.h"
+#include "server/diagnosis/verdicts/path.h"
+#include "server/diagnosis/verdicts/score.h"
+#include "server/diagnosis/verdicts/standing.h"
+#include "server/diagnosis/verdicts/verdicts.h"
 
 namespace tenter::diagnosis {
 namespace {

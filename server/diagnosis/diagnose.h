@@ -17,7 +17,7 @@
 #include "common/model/model.h"
 #include "server/diagnosis/findings.h"
 #include "server/diagnosis/screen.h"
-#include "server/diagnosis/trial.h"
+#include "server/diagnosis/trials/trial.h"
 #include "server/estimation/outliers.h"
 
 namespace tenter::diagnosis {

@@ -15,7 +15,7 @@
 #include "common/capture/file/capture_file.h"
 #include "common/model/presets.h"
 #include "server/diagnosis/diagnose.h"
-#include "server/diagnosis/verdict_words.h"
+#include "server/diagnosis/verdicts/verdict_words.h"
 
 namespace {
 

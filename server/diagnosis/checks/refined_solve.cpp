@@ -9,8 +9,8 @@
 #include <random>
 
 #include "server/diagnosis/checks/convexity.h"
-#include "server/diagnosis/effect_size.h"
 #include "server/diagnosis/prepare.h"
+#include "server/diagnosis/verdicts/effect_size.h"
 
 namespace tenter::diagnosis {
 namespace {

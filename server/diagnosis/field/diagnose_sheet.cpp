@@ -11,11 +11,11 @@
 #include "server/diagnosis/field/grid_check.h"
 #include "server/diagnosis/field/prepare_sheet.h"
 #include "server/diagnosis/field/screen/field_screen.h"
-#include "server/diagnosis/model_edit.h"
-#include "server/diagnosis/path.h"
 #include "server/diagnosis/screening/score_test.h"
 #include "server/diagnosis/screening/shortlist.h"
-#include "server/diagnosis/standing.h"
+#include "server/diagnosis/trials/model_edit.h"
+#include "server/diagnosis/verdicts/path.h"
+#include "server/diagnosis/verdicts/standing.h"
 #include "server/estimation/parallel.h"
 
 namespace tenter::diagnosis {

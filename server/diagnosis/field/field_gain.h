@@ -3,8 +3,8 @@
 // saw: the captures that are held out, else protocols, captures or blocks left out in turn.
 #pragma once
 
-#include "server/diagnosis/effect_size.h"
 #include "server/diagnosis/field/diagnose_sheet.h"
+#include "server/diagnosis/verdicts/effect_size.h"
 
 namespace tenter::diagnosis {
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "server/diagnosis/field/data/field_fit.h"
-#include "server/diagnosis/trial.h"
+#include "server/diagnosis/trials/trial.h"
 
 namespace tenter::diagnosis {
 

@@ -9,8 +9,8 @@
 #include "server/diagnosis/field/field_gain.h"
 #include "server/diagnosis/field/prepare_sheet.h"
 #include "server/diagnosis/field/screen/field_screen.h"
-#include "server/diagnosis/model_edit.h"
-#include "server/diagnosis/verdict_words.h"
+#include "server/diagnosis/trials/model_edit.h"
+#include "server/diagnosis/verdicts/verdict_words.h"
 
 namespace tenter::diagnosis {
 namespace {

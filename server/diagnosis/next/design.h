@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "server/diagnosis/next/proposal.h"
-#include "server/diagnosis/trial.h"
+#include "server/diagnosis/trials/trial.h"
 
 namespace tenter::diagnosis {
 

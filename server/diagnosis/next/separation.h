@@ -13,7 +13,7 @@
 #include <optional>
 
 #include "server/diagnosis/next/proposal.h"
-#include "server/diagnosis/trial.h"
+#include "server/diagnosis/trials/trial.h"
 
 namespace tenter::diagnosis {
 

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "server/diagnosis/trial.h"
+#include "server/diagnosis/trials/trial.h"
 
 namespace tenter::diagnosis {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/model/document.h"
-#include "server/diagnosis/verdict_words.h"
+#include "server/diagnosis/verdicts/verdict_words.h"
 #include "server/jobs/results/json_number.h"
 #include "server/jobs/results/parameters_json.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "server/diagnosis/findings.h"
-#include "server/diagnosis/trial.h"
+#include "server/diagnosis/trials/trial.h"
 
 namespace tenter::jobs {
 

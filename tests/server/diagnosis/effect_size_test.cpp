@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/effect_size.h"
+#include "server/diagnosis/verdicts/effect_size.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "common/model/document.h"
-#include "server/diagnosis/model_edit.h"
+#include "server/diagnosis/trials/model_edit.h"
 #include "tests/server/diagnosis/prepared_twin.h"
 
 namespace tenter::diagnosis {

@@ -8,7 +8,7 @@
 #include "common/model/presets.h"
 #include "server/diagnosis/diagnose.h"
 #include "server/diagnosis/field/diagnose_sheet.h"
-#include "server/diagnosis/verdict_words.h"
+#include "server/diagnosis/verdicts/verdict_words.h"
 #include "tests/twin/exam/field/sheet_question.h"
 #include "tests/twin/exam/next_capture.h"
 #include "tests/twin/generator.h"

@@ -18,7 +18,7 @@
 
 #include "common/base/error.h"
 #include "common/model/model.h"
-#include "server/diagnosis/trial.h"
+#include "server/diagnosis/trials/trial.h"
 #include "server/estimation/sequences/sequence.h"
 
 namespace tenter::diagnosis {

@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "server/diagnosis/prepare.h"
-#include "server/diagnosis/verdicts.h"
+#include "server/diagnosis/verdicts/verdicts.h"
 
 namespace tenter::jobs {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/model/presets.h"
-#include "server/diagnosis/verdict_words.h"
+#include "server/diagnosis/verdicts/verdict_words.h"
 #include "server/estimation/prediction.h"
 #include "server/estimation/sequences/material/material_locator.h"
 #include "server/estimation/sequences/sequence_evaluator.h"

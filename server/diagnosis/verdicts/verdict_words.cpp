@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/verdict_words.h"
+#include "server/diagnosis/verdicts/verdict_words.h"
 
 #include <algorithm>
 #include <cctype>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/standing.h"
+#include "server/diagnosis/verdicts/standing.h"
 
 #include <cstdio>
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "server/diagnosis/effect_size.h"
 #include "server/diagnosis/findings.h"
-#include "server/diagnosis/trial.h"
+#include "server/diagnosis/trials/trial.h"
+#include "server/diagnosis/verdicts/effect_size.h"
 
 namespace tenter::diagnosis {
 

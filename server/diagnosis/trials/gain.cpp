@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/gain.h"
+#include "server/diagnosis/trials/gain.h"
 
 #include <optional>
 
-#include "server/diagnosis/score.h"
+#include "server/diagnosis/verdicts/score.h"
 #include "server/estimation/hold_out.h"
 
 namespace tenter::diagnosis {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/score.h"
+#include "server/diagnosis/verdicts/score.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/trial.h"
+#include "server/diagnosis/trials/trial.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/verdicts.h"
+#include "server/diagnosis/verdicts/verdicts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include <set>
 
 #include "server/diagnosis/checks/lattice.h"
-#include "server/diagnosis/effect_size.h"
-#include "server/diagnosis/model_edit.h"
 #include "server/diagnosis/next/design.h"
 #include "server/diagnosis/prepare.h"
-#include "server/diagnosis/verdict_words.h"
+#include "server/diagnosis/trials/model_edit.h"
+#include "server/diagnosis/verdicts/effect_size.h"
+#include "server/diagnosis/verdicts/verdict_words.h"
 
 namespace tenter::diagnosis {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/model_edit.h"
+#include "server/diagnosis/trials/model_edit.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/effect_size.h"
+#include "server/diagnosis/verdicts/effect_size.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "server/diagnosis/score.h"
+#include "server/diagnosis/verdicts/score.h"
 
 namespace tenter::diagnosis {
 namespace {

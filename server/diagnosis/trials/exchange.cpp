@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/exchange.h"
+#include "server/diagnosis/trials/exchange.h"
 
 #include <algorithm>
 
-#include "server/diagnosis/model_edit.h"
 #include "server/diagnosis/screening/shortlist.h"
+#include "server/diagnosis/trials/model_edit.h"
 
 namespace tenter::diagnosis {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/path.h"
+#include "server/diagnosis/verdicts/path.h"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "server/diagnosis/trial.h"
+#include "server/diagnosis/trials/trial.h"
 
 namespace tenter::diagnosis {
 

@@ -159,7 +159,8 @@ Expected<void> go_forward(Chain& chain) {
     if (chosen == trials.size()) return {};
     FieldFinding finding;
     finding.trial = trials[chosen].trial;
-    finding.before_chi2 = chain.current.at.fit.chi2;
+    finding.before =
+        misfit_of(d.data.sequences, chain.current.rows, chain.current.at.fit.residuals);
     finding.look_alikes = look_alikes(*found, finding.trial);
     for (std::size_t i = 0; i < trials.size(); ++i)
       if (i != chosen && trials[i].trial.effect != finding.trial.effect)
@@ -200,21 +201,52 @@ void go_backward(Chain& chain) {
   });
 }
 
+/// Of what an effect was found by, positions or all else: what it explained of what was missed when
+/// it came in, and what is missed there still, of what the baseline missed.
+struct Part {
+  double share = 0.0;
+  double left = 0.0;
+  bool is_met = false;  ///< nothing beyond the noise
+};
+
+Part part_of(const Chain& chain, const FieldFinding& finding, double noise) {
+  const auto misfit = [&](const Eigen::VectorXd& residuals) {
+    return misfit_of(chain.d.data.sequences, chain.current.rows, residuals);
+  };
+  const Misfit after = misfit(finding.trial.fit.residuals);
+  const Misfit first = misfit(chain.d.baseline.at.fit.residuals);
+  const Misfit now = misfit(chain.current.at.fit.residuals);
+  Part best;
+  for (const std::size_t k : {0UL, 1UL}) {
+    const double expected = noise * now.rows[k];
+    const double missed = finding.before.chi2[k] - expected;
+    const double share = missed > 0.0 ? (finding.before.chi2[k] - after.chi2[k]) / missed : 0.0;
+    if (share <= best.share) continue;
+    // where nothing is missed any more nothing is stood in for
+    const bool is_met = now.chi2[k] <= 1.1 * expected;
+    best.share = share;
+    best.left =
+        is_met ? 0.0 : (now.chi2[k] - expected) / std::max(missed, first.chi2[k] - expected);
+    best.is_met = is_met;
+  }
+  return best;
+}
+
 /// Where the model still misses more than the noise, an effect that explained little of what was
 /// missed when it came in is a stand-in for something that the catalogue lacks: it gets no name.
 void drop_stand_ins(Chain& chain) {
   SheetDiagnosis& d = chain.d;
   const double expected = expected_chi2(d.baseline);
   if (!(d.last_screen.lack_of_fit > 1.0) || chain.current.at.fit.chi2 <= 1.1 * expected) return;
-  const double missed = d.baseline.at.fit.chi2 - expected;
-  const double left = missed > 0.0 ? (chain.current.at.fit.chi2 - expected) / missed : 0.0;
-  std::map<std::string, double> best;
+  std::map<std::string, Part> best;
   for (const FieldFinding& f : chain.accepted) {
-    double& share = best[f.trial.effect->id];
-    share = std::max(share, explained_share(f.before_chi2, f.trial.fit.chi2, expected));
+    const Part part = part_of(chain, f, expected / static_cast<double>(d.baseline.rows.size()));
+    Part& known = best[f.trial.effect->id];
+    if (part.share > known.share) known = part;
   }
-  drop_where(chain,
-             [&](const std::string& id, const FieldFit&) { return stands_in(best[id], left); });
+  drop_where(chain, [&](const std::string& id, const FieldFit&) {
+    return best[id].is_met ? std::string() : stands_in(best[id].share, best[id].left);
+  });
 }
 
 Expected<void> look_again(Chain& chain) {

@@ -41,7 +41,7 @@ struct LookAlike {
 /// An effect that passed every gate, with the others that were tried in its place.
 struct FieldFinding {
   Trial trial;
-  double before_chi2 = 0.0;  ///< of the model that it was added to
+  Misfit before;  ///< of the model that it was added to
   std::vector<Trial> rivals;
   std::vector<LookAlike> look_alikes;
 };

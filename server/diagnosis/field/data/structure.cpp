@@ -260,6 +260,23 @@ std::vector<Structure> structure_of(const std::vector<Sequence>& sequences,
   return all;
 }
 
+Misfit misfit_of(const std::vector<estimation::Sequence>& sequences,
+                 const std::vector<estimation::Row>& rows, const Eigen::VectorXd& residuals) {
+  std::vector<estimation::Observations> seen;
+  seen.reserve(sequences.size());
+  for (const estimation::Sequence& sequence : sequences) seen.emplace_back(sequence);
+  Misfit misfit;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const auto s = static_cast<std::size_t>(rows[r].curve);
+    const bool is_position =
+        seen[s].kind(sequences[s], rows[r].channel) == estimation::ObservationKind::position;
+    const double x = residuals[static_cast<Eigen::Index>(r)];
+    misfit.chi2[is_position ? 0 : 1] += x * x;
+    misfit.rows[is_position ? 0 : 1] += 1.0;
+  }
+  return misfit;
+}
+
 double independent_rows(const std::vector<Sequence>& sequences, const std::vector<Row>& rows,
                         const Eigen::VectorXd& residuals) {
   double sum = 0.0;

@@ -18,6 +18,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "server/estimation/residual_function.h"
@@ -45,6 +46,14 @@ struct Structure {
 std::vector<Structure> structure_of(const std::vector<estimation::Sequence>& sequences,
                                     const std::vector<estimation::Row>& rows,
                                     const Eigen::VectorXd& residuals);
+
+/// chi2 over positions and over all else: points are many and would outvote the forces.
+struct Misfit {
+  std::array<double, 2> chi2 = {0.0, 0.0};
+  std::array<double, 2> rows = {0.0, 0.0};
+};
+Misfit misfit_of(const std::vector<estimation::Sequence>& sequences,
+                 const std::vector<estimation::Row>& rows, const Eigen::VectorXd& residuals);
 
 /// Sum of `independent`.
 double independent_rows(const std::vector<estimation::Sequence>& sequences,

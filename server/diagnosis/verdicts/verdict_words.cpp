@@ -9,6 +9,13 @@
 namespace tenter::diagnosis {
 namespace {
 
+/// "0.4 %", "31 %".
+std::string in_percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, share < 0.0995 ? "%.1f %%" : "%.0f %%", 100.0 * share);
+  return text;
+}
+
 std::string list_words(const std::vector<std::string>& ids) {
   std::string words;
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -63,13 +70,13 @@ void put_in_words(const Effect& effect, const std::vector<const Trial*>& trials,
   } else {
     verdict.kind = effect.kind == effects::Kind::sensor ? VerdictKind::sensor : VerdictKind::named;
   }
-  words += ". It accounts for " + percent(size.size) + " of the " + of_what;
+  words += ". It accounts for " + in_percent(size.size) + " of the " + of_what;
   std::string variants;
   for (const Trial* trial : trials)
     variants += (variants.empty() ? " (" : "; ") + trial->variant.words;
   words += variants + ")";
   if (first.held_out_before > 0.0)
-    words += " and takes " + percent(1.0 - first.held_out_after / first.held_out_before) +
+    words += " and takes " + in_percent(1.0 - first.held_out_after / first.held_out_before) +
              " off the squared error on left-out " + first.folds;
   words += ".";
   const bool few_blocks = blocks < 8;
@@ -81,16 +88,10 @@ void put_in_words(const Effect& effect, const std::vector<const Trial*>& trials,
                       {"few_repeats", few_blocks ? 1.0 : 0.0}};
 }
 
-std::string percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, share < 0.0995 ? "%.1f %%" : "%.0f %%", 100.0 * share);
-  return text;
-}
-
 Verdict nothing_found(double noise_floor) {
   Verdict verdict;
   verdict.words = "Nothing found: what the model misses is no larger than the noise, " +
-                  percent(noise_floor) + " of the force.";
+                  in_percent(noise_floor) + " of the force.";
   return verdict;
 }
 
@@ -101,9 +102,9 @@ Verdict unexplained(const Findings& findings) {
                                              findings.noise_floor * findings.noise_floor));
   verdict.size_lo = verdict.size_hi = verdict.size;
   verdict.words =
-      percent(findings.unexplained_share) +
+      in_percent(findings.unexplained_share) +
       " of what the baseline missed beyond the noise is explained by no effect of the catalogue; " +
-      percent(verdict.size) + " of the force.";
+      in_percent(verdict.size) + " of the force.";
   verdict.evidence = {{"lack_of_fit", findings.last_screen.lack_of_fit},
                       {"unexplained_share", findings.unexplained_share}};
   return verdict;

@@ -39,9 +39,6 @@ void put_in_words(const Effect& effect, const std::vector<const Trial*>& trials,
                   const SizeInterval& size, const std::string& of_what, const std::string& here,
                   int blocks, Verdict& verdict);
 
-/// "0.42 %", "31 %".
-std::string percent(double share);
-
 Verdict nothing_found(double noise_floor);
 /// Share and size of what stays unexplained; takes unexplained_share, after and noise_floor.
 Verdict unexplained(const Findings& findings);

@@ -16,6 +16,7 @@
 #include "server/diagnosis/trials/model_edit.h"
 #include "server/diagnosis/verdicts/path.h"
 #include "server/diagnosis/verdicts/standing.h"
+#include "server/diagnosis/verdicts/verdict_words.h"
 #include "server/estimation/parallel.h"
 
 namespace tenter::diagnosis {
@@ -96,26 +97,36 @@ std::vector<Candidate> worth_a_refit(const Screen& screen, const estimation::Fit
   return candidates;
 }
 
-/// Other effects whose columns span nearly the same as the chosen candidate's.
-std::vector<LookAlike> look_alikes(const Screen& screen, const Trial& chosen) {
+/// Adds other effects whose columns span nearly the same as the chosen candidate's. Those that the
+/// columns cannot tell apart are refitted too, and so among the rivals.
+void add_look_alikes(const Screen& screen, const Chain& chain, FieldFinding& finding) {
   constexpr double kAlike = 0.95;
+  const Trial& chosen = finding.trial;
   const Candidate* own = nullptr;
   for (const Candidate& c : screen.candidates)
     if (c.effect == chosen.effect && c.variant.words == chosen.variant.words && !own) own = &c;
-  std::map<std::string, double> best;
-  if (own != nullptr)
-    for (const Candidate& c : screen.candidates) {
-      // what spans more contains the smaller one: that says nothing against it
-      if (c.effect == chosen.effect || c.df > own->df || c.space.rows() != own->space.rows())
-        continue;
-      double& largest = best[c.effect->id];
-      largest = std::max(largest, canonical_correlation(own->space, c.space));
+  if (own == nullptr) return;
+  std::map<std::string, std::pair<double, const Candidate*>> best;
+  for (const Candidate& c : screen.candidates) {
+    // what spans more contains the smaller one: that says nothing against it
+    if (c.effect == chosen.effect || c.df > own->df || c.space.rows() != own->space.rows())
+      continue;
+    auto& [largest, candidate] = best[c.effect->id];
+    const double correlation = canonical_correlation(own->space, c.space);
+    if (correlation > largest) largest = correlation, candidate = &c;
+  }
+  for (const auto& [id, found] : best) {
+    const auto& [correlation, candidate] = found;
+    if (correlation <= kAlike) continue;
+    LookAlike alike = {id, correlation, own->gain * (1.0 - correlation * correlation)};
+    if (alike.told_apart < kDecisive) {
+      FieldTrial trial =
+          refit_field(*candidate, chain.current, chain.d.data, field_options(chain.control));
+      alike.is_refitted = trial.trial.fit.usable;
+      if (alike.is_refitted) finding.rivals.push_back(std::move(trial.trial));
     }
-  std::vector<LookAlike> alike;
-  for (const auto& [id, correlation] : best)
-    if (correlation > kAlike)
-      alike.push_back({id, correlation, own->gain * (1.0 - correlation * correlation)});
-  return alike;
+    finding.look_alikes.push_back(std::move(alike));
+  }
 }
 
 /// Forward: one effect at a time, the best that passes, until none does.
@@ -161,10 +172,10 @@ Expected<void> go_forward(Chain& chain) {
     finding.trial = trials[chosen].trial;
     finding.before =
         misfit_of(d.data.sequences, chain.current.rows, chain.current.at.fit.residuals);
-    finding.look_alikes = look_alikes(*found, finding.trial);
     for (std::size_t i = 0; i < trials.size(); ++i)
       if (i != chosen && trials[i].trial.effect != finding.trial.effect)
         finding.rivals.push_back(trials[i].trial);
+    add_look_alikes(*found, chain, finding);
     take(chain, trials[chosen]);
     PathStep step =
         step_of("add", finding.trial.effect->id, finding.trial.variant.words, chain.current, d);

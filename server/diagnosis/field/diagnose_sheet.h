@@ -36,6 +36,7 @@ struct LookAlike {
   std::string effect;
   double correlation = 0.0;  ///< canonical
   double told_apart = 0.0;   ///< chi2 by which the one explains more than the other can
+  bool is_refitted = false;  ///< it is among the rivals: its refit says more than its columns
 };
 
 /// An effect that passed every gate, with the others that were tried in its place.

@@ -67,8 +67,8 @@ Verdict verdict_for(const SheetDiagnosis& d, const std::string& id,
   for (const FieldFinding* f : findings)
     for (const LookAlike& other : f->look_alikes) {
       alike.emplace_back("canonical correlation with " + other.effect, other.correlation);
-      if (other.told_apart < kDecisive && !holds(d.extended.at.model, other.effect) &&
-          !contains(other.effect, id))
+      if (other.told_apart < kDecisive && !other.is_refitted &&
+          !holds(d.extended.at.model, other.effect) && !contains(other.effect, id))
         add_once(verdict.alternatives, other.effect);
     }
   add_untold(effect, d.excitation, verdict.alternatives);

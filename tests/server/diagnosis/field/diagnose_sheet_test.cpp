@@ -13,23 +13,11 @@ namespace tenter::diagnosis {
 namespace {
 
 using testing::compliant_cloth;
+using testing::diagnosed;
+using testing::first;
 using testing::in_lines;
 using testing::sheets_of;
 using testing::SheetTruth;
-
-SheetDiagnosis diagnosed(const SheetRequest& request, int threads = 2) {
-  Control control;
-  control.threads = threads;
-  auto found = diagnose_sheets(request, control);
-  EXPECT_TRUE(found) << (found ? "" : found.error().message);
-  return found ? std::move(*found) : SheetDiagnosis{};
-}
-
-const Verdict& first(const SheetDiagnosis& d) {
-  static const Verdict none;
-  EXPECT_FALSE(d.verdicts.empty());
-  return d.verdicts.empty() ? none : d.verdicts.front();
-}
 
 /// What the rig states of its noise is three times too little here.
 TEST(DiagnoseSheet, FindsNothingWhereNothingIsWrong) {

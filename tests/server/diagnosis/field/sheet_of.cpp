@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "common/model/presets.h"
 #include "server/diagnosis/verdicts/verdict_words.h"
 #include "server/estimation/prediction.h"
@@ -124,6 +126,20 @@ diagnosis::SheetRequest sheets_of(const SheetTruth& truth, const model::Model& b
     request.sequences.back().finer = std::move(finer);
   }
   return request;
+}
+
+diagnosis::SheetDiagnosis diagnosed(const diagnosis::SheetRequest& request, int threads) {
+  diagnosis::Control control;
+  control.threads = threads;
+  auto found = diagnosis::diagnose_sheets(request, control);
+  EXPECT_TRUE(found) << (found ? "" : found.error().message);
+  return found ? std::move(*found) : diagnosis::SheetDiagnosis{};
+}
+
+const diagnosis::Verdict& first(const diagnosis::SheetDiagnosis& d) {
+  static const diagnosis::Verdict none;
+  EXPECT_FALSE(d.verdicts.empty());
+  return d.verdicts.empty() ? none : d.verdicts.front();
 }
 
 std::string in_lines(const std::vector<diagnosis::Verdict>& verdicts) {

@@ -33,6 +33,10 @@ model::Model compliant_cloth();
 /// A request to diagnose `baseline` on what the truth shows. Fails the test where that has no rest.
 diagnosis::SheetRequest sheets_of(const SheetTruth& truth, const model::Model& baseline);
 
+/// Fails the test where there is no diagnosis.
+diagnosis::SheetDiagnosis diagnosed(const diagnosis::SheetRequest& request, int threads = 2);
+const diagnosis::Verdict& first(const diagnosis::SheetDiagnosis& d);
+
 /// Verdicts in lines, for messages; then what was tried, and the checklist.
 std::string in_lines(const std::vector<diagnosis::Verdict>& verdicts);
 std::string in_lines(const diagnosis::SheetDiagnosis& d);

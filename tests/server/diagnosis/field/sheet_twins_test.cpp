@@ -15,23 +15,11 @@ namespace tenter::diagnosis {
 namespace {
 
 using testing::compliant_cloth;
+using testing::diagnosed;
+using testing::first;
 using testing::in_lines;
 using testing::sheets_of;
 using testing::SheetTruth;
-
-SheetDiagnosis diagnosed(const SheetRequest& request) {
-  Control control;
-  control.threads = 2;
-  auto found = diagnose_sheets(request, control);
-  EXPECT_TRUE(found) << (found ? "" : found.error().message);
-  return found ? std::move(*found) : SheetDiagnosis{};
-}
-
-const Verdict& first(const SheetDiagnosis& d) {
-  static const Verdict none;
-  EXPECT_FALSE(d.verdicts.empty());
-  return d.verdicts.empty() ? none : d.verdicts.front();
-}
 
 bool is_name(const Verdict& verdict) {
   return verdict.kind == VerdictKind::named || verdict.kind == VerdictKind::sensor ||

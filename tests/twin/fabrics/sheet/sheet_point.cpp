@@ -20,7 +20,7 @@ Matrix3d cross(const Vector3d& a) {
   return m;
 }
 
-double sign(double x) {
+double sign_of(double x) {
   return x < 0.0 ? -1.0 : 1.0;
 }
 
@@ -140,15 +140,16 @@ CurveValue mode_at(const Fabric& fabric, int mode, const PointHistory& history, 
   if (loop.ratio == 1.0) return value;
   const double beta = (loop.ratio - 1.0) / (loop.ratio + 1.0);
   const double from = history.strain[mode];
-  const double s = sign(strain - from);
+  const double s = sign_of(strain - from);
   const CurveValue start = fabric.curves[m].at(from);
   const double behind = history.friction[mode] - s * beta * std::abs(start.stress);
   const double left = std::exp(-std::abs(strain - from) / loop.reach);
   CurveValue sum;
-  sum.energy = value.energy + s * beta * (sign(strain) * value.energy - sign(from) * start.energy) +
+  sum.energy = value.energy +
+               s * beta * (sign_of(strain) * value.energy - sign_of(from) * start.energy) +
                s * behind * loop.reach * (1.0 - left);
   sum.stress = value.stress + s * beta * std::abs(value.stress) + behind * left;
-  sum.tangent = value.tangent * (1.0 + s * beta * sign(strain)) - s * behind / loop.reach * left;
+  sum.tangent = value.tangent * (1.0 + s * beta * sign_of(strain)) - s * behind / loop.reach * left;
   return sum;
 }
 

@@ -40,10 +40,6 @@ void parallel(int threads, int count, const std::function<void(int)>& task) {
     });
 }
 
-double criterion(const Trial& trial, int added_effects, double rows) {
-  return information(trial.fit.chi2, trial.parameters, added_effects, rows);
-}
-
 PathStep step_of(const std::string& action, const std::string& effect, const std::string& why,
                  const Reference& at, const Diagnosis& d) {
   return path_step(action, effect, why, at,
@@ -70,7 +66,7 @@ std::vector<Trial> run_round(const std::vector<Candidate>& candidates, const Ref
   double rows = current.fit.effective_rows;
   for (const Trial& t : trials) rows = std::max(rows, t.fit.effective_rows);
   std::stable_sort(trials.begin(), trials.end(), [&](const Trial& a, const Trial& b) {
-    return criterion(a, added_effects + 1, rows) < criterion(b, added_effects + 1, rows);
+    return criterion_of(a, added_effects + 1, rows) < criterion_of(b, added_effects + 1, rows);
   });
   return trials;
 }

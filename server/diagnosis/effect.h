@@ -102,6 +102,8 @@ struct Effect {
   effects::Kind kind = effects::Kind::material;
   bool in_every_run = true;  ///< false: an accident; what is left out cannot be asked for it
   bool needs_rate = false;   ///< without time or rate at most AMBIGUOUS
+  /// Another effect, of which this is a sharper form: where both do alike the other is the word.
+  std::string special_form_of = {};
   std::vector<std::string> mistaken_for;
   NextProtocol split_by;  ///< the protocol that excites it and tells it from its neighbours
   /// Ways to extend this model; empty: nothing to add.

@@ -7,6 +7,7 @@ namespace tenter::diagnosis {
 
 Effect strain_limit() {
   Effect effect = described("strain_limit");
+  effect.special_form_of = "nonlinear_stiffness";
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     // a limit near zero would be the stiffness that the model has
     return onset_variants(

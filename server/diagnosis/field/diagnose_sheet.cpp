@@ -75,8 +75,7 @@ std::vector<FieldTrial> refit_all(const std::vector<Candidate>& candidates, cons
   for (const FieldTrial& t : trials) rows = std::max(rows, t.trial.fit.effective_rows);
   const int added = static_cast<int>(chain.accepted.size()) + 1;
   std::stable_sort(trials.begin(), trials.end(), [&](const FieldTrial& a, const FieldTrial& b) {
-    return information(a.trial.fit.chi2, a.trial.parameters, added, rows) <
-           information(b.trial.fit.chi2, b.trial.parameters, added, rows);
+    return criterion_of(a.trial, added, rows) < criterion_of(b.trial, added, rows);
   });
   return trials;
 }

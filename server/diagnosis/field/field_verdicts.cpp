@@ -26,7 +26,7 @@ std::vector<std::string> equals_of(const SheetDiagnosis& d, const std::string& e
   std::set<std::string> tried;
   for (const Trial& rival : rivals) {
     if (tried.contains(rival.effect->id) || rival.effect->id == effect) continue;
-    if (contains(rival.effect->id, effect)) continue;
+    if (says_nothing_against(rival.effect->id, effect)) continue;
     if (holds(d.extended.at.model, rival.effect->id)) continue;
     auto swapped =
         fit_field(with_rival(without(d.extended.at.model, effect, d.baseline.at.model), rival),
@@ -68,7 +68,7 @@ Verdict verdict_for(const SheetDiagnosis& d, const std::string& id,
     for (const LookAlike& other : f->look_alikes) {
       alike.emplace_back("canonical correlation with " + other.effect, other.correlation);
       if (other.told_apart < kDecisive && !other.is_refitted &&
-          !holds(d.extended.at.model, other.effect) && !contains(other.effect, id))
+          !holds(d.extended.at.model, other.effect) && !says_nothing_against(other.effect, id))
         add_once(verdict.alternatives, other.effect);
     }
   add_untold(effect, d.excitation, verdict.alternatives);

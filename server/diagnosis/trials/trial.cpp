@@ -273,6 +273,11 @@ void check_held_out(Trial& trial, const Reference& before, const DataPointer& da
 
 }  // namespace
 
+double criterion_of(const Trial& trial, int added_effects, double rows) {
+  const double asked = trial.effect->special_form_of.empty() ? 0.0 : kDecisive;
+  return information(trial.fit.chi2, trial.parameters, added_effects, rows) + asked;
+}
+
 double explained_share(double before, double after, double expected_chi2) {
   const double missed = before - expected_chi2;
   return missed > 0.0 ? std::min(1.0, (before - after) / missed) : 1.0;

@@ -47,9 +47,16 @@ std::vector<double> chi2_by_block(const std::vector<estimation::Row>& rows,
 /// observations.
 double f_test(double chi2_before, double chi2_after, int added, int parameters, double rows);
 
+/// Twice the log evidence from which on a rival is told apart.
+constexpr double kDecisive = 10.0;
+
 /// Information criterion on `rows` independent observations, with a penalty for the size of the
 /// catalogue for each added effect (extended BIC). Smaller is better.
 double information(double chi2, int parameters, int added_effects, double rows);
+
+/// The same by which trials of one round are ordered: a sharper form of another effect has to do
+/// decisively better.
+double criterion_of(const Trial& trial, int added_effects, double rows);
 
 /// Fills p_value, the held-out scores and the objections.
 void judge(Trial& trial, const Reference& before, const DataPointer& data, double expected_chi2);

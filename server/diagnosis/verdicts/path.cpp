@@ -28,7 +28,7 @@ std::string made_needless(const Reference& reduced, const Reference& whole) {
 
 std::string stands_in(double share, double left) {
   // more is asked of a name where more stays unexplained
-  const double least_share = left > 0.25 ? 0.5 : 0.35;
+  const double least_share = left > 0.1 ? 0.5 : 0.35;
   return share < least_share
              ? "it explains little of what is missed, and much stays unexplained: a stand-in"
              : "";

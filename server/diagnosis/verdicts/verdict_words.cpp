@@ -33,8 +33,10 @@ double evidence_against(const Reference& other, const Reference& chosen) {
          information(chosen.fit.chi2, free_count(chosen.model), 0, rows);
 }
 
-bool contains(const std::string& wider, const std::string& narrower) {
-  return wider == "strain_dependent_friction" && narrower == "internal_friction";
+bool says_nothing_against(const std::string& rival, const std::string& effect) {
+  const Effect* other = find_effect(rival);
+  return (rival == "strain_dependent_friction" && effect == "internal_friction") ||
+         (other != nullptr && other->special_form_of == effect);
 }
 
 bool is_rate_question(const std::string& effect) {

@@ -12,16 +12,13 @@
 
 namespace tenter::diagnosis {
 
-/// Twice the log evidence from which on a rival is told apart.
-constexpr double kDecisive = 10.0;
-
 /// Twice the log evidence that speaks against `other` and for `chosen`: difference of the
 /// information criteria, on the larger number of independent rows of both.
 double evidence_against(const Reference& other, const Reference& chosen);
 
-/// Whether an effect holds another as a special case: that it does as well says nothing against
-/// the simpler.
-bool contains(const std::string& wider, const std::string& narrower);
+/// Whether that a rival does as well says nothing against an effect: the rival holds it as a
+/// special case, or is a sharper form of it.
+bool says_nothing_against(const std::string& rival, const std::string& effect);
 
 /// Friction and viscosity, which only rates and holds tell apart.
 bool is_rate_question(const std::string& effect);

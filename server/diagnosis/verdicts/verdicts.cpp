@@ -29,7 +29,7 @@ std::vector<Swapped> swapped_rivals(const Diagnosis& d, const std::string& effec
   std::set<std::string> tried;
   for (const Trial& rival : rivals) {
     if (tried.contains(rival.effect->id) || rival.effect->id == effect) continue;
-    if (contains(rival.effect->id, effect)) continue;
+    if (says_nothing_against(rival.effect->id, effect)) continue;
     if (holds(d.extended.model, rival.effect->id)) continue;
     auto swapped = make_reference(
         with_rival(without(d.extended.model, effect, d.baseline.model), rival), d.data, {});

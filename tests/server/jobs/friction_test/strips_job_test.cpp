@@ -167,15 +167,23 @@ TEST_F(StripsJob, SensesAreFittedApart) {
 
 TEST_F(StripsJob, SaysWhatFewRadiiLack) {
   const twin::FrictionSample& cloth = doublecloth();
-  import("strips", table_of(cloth, {{16.0}, {16.0}, { 16.0 }}), strips_description(cloth).dump());
+  import("strips", table_of(cloth, {{80.0}, { 80.0 }}), strips_description(cloth).dump());
   const auto result = run({{"protocol", "spiral"}});
   ASSERT_TRUE(result) << result.error().message;
   const auto page = report::render_html(text_);
   const auto words = report::render_text(text_, {.width = 400});
   ASSERT_TRUE(page && words);
+  const double truth[] = {cloth.k1, cloth.k2, cloth.a, cloth.b, cloth.tau};
+  const json& numbers = (*result)["friction_test"]["parts"][0]["numbers"];
   int untold = 0;
-  for (const json& number : (*result)["friction_test"]["parts"][0]["numbers"]) {
-    if (number["told"].get<bool>()) continue;
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    const json& number = numbers[k];
+    if (number["told"].get<bool>()) {
+      const double width =
+          number["interval"][1].get<double>() - number["interval"][0].get<double>();
+      EXPECT_LT(std::abs(number["value"].get<double>() - truth[k]), width) << number.dump();
+      continue;
+    }
     ++untold;
     EXPECT_TRUE(number["value"].is_null());
     const std::string why = number["words"].get<std::string>();
@@ -185,7 +193,7 @@ TEST_F(StripsJob, SaysWhatFewRadiiLack) {
     EXPECT_NE(page->find(why), std::string::npos);
     EXPECT_NE(words->find(why), std::string::npos);
   }
-  EXPECT_GE(untold, 3) << (*result)["friction_test"].dump(1);
+  EXPECT_GE(untold, 2) << (*result)["friction_test"].dump(1);
 }
 
 TEST_F(StripsJob, CantileversTellStiffnessAndNothingOfFriction) {

@@ -153,6 +153,7 @@ nlohmann::json json_of(const Entry& entry) {
                          {"forms", entry.question.twin.effects},
                          {"size", entry.question.twin.size},
                          {"achieved_size", entry.answer.achieved_size},
+                         {"true_share_of_force", entry.answer.true_share},
                          {"seed", entry.question.twin.seed},
                          {"grade", grade_name(entry.mark.grade)},
                          {"wrong_names", entry.mark.wrong_names},

@@ -82,7 +82,7 @@ std::string held_out_objection(FieldTrial& trial, const FieldFit& before, const 
         predict_field(trial.trial.model, *held_out.data, held_out.before.states, options);
     if (after) {
       const estimation::HeldOut earlier = as_held_out(held_out.before), later = as_held_out(*after);
-      const std::string objection =
+      std::string objection =
           compare_held_out(trial.trial, earlier, later, after->rows, held_out.data->block_count(),
                            "captures", static_cast<double>(after->rows.size()));
       const bool speaks_against = later.chi2 - earlier.chi2 > trial.trial.held_out_error;

@@ -130,21 +130,45 @@ std::vector<FrictionValues> torque_start(TorqueErrors& errors, const model::Mode
   return {values_of(found.parameters)};
 }
 
-/// The best of the starts, a few steps at a time. Where the strips stand is taken out near where
-/// they stand at a reference, which the fit moves: until it moves it no more.
-Expected<FitResult> fit_shapes(ContourErrors& errors, const model::Model& model,
-                               const std::vector<FrictionValues>& starts,
-                               const FitOptions& options) {
-  constexpr int kMaxRounds = 40;
-  constexpr double kStill = 2e-5;  // of the cost: a tenth of what one noise counts, of 5000 rows
-  FitOptions few = options;
-  few.max_iterations = std::min(options.max_iterations, 5);
+/// Where a strip stands at the edge of a snap it may find no rest at all: a little beside it does.
+std::vector<FrictionValues> beside_of(const FrictionValues& start) {
+  std::vector<FrictionValues> beside;
+  for (const double more : {1.01, 0.99, 1.03, 0.97}) {
+    FrictionValues values = start;
+    values.k1 *= more;
+    beside.push_back(values);
+    values = start;
+    values.b *= more;
+    beside.push_back(values);
+  }
+  return beside;
+}
+
+/// The best of the starts after a few steps each; not usable where none finds the strips at rest.
+FitResult best_of(ContourErrors& errors, const model::Model& model,
+                  const std::vector<FrictionValues>& starts, const FitOptions& few) {
   FitResult best;
   for (const FrictionValues& from : starts) {
     if (errors.set_reference(flat(from)) != mechanics::PathStatus::ok) continue;
     FitResult found = fit(errors, with_values(model, from), few);
     if (found.usable && (!best.usable || found.chi2 < best.chi2)) best = std::move(found);
   }
+  return best;
+}
+
+/// The best of the starts, or of the `others` where none of them finds the strips at rest, a few
+/// steps at a time. Where the strips stand is taken out near where they stand at a reference, which
+/// the fit moves: until it moves it no more.
+Expected<FitResult> fit_shapes(ContourErrors& errors, const model::Model& model,
+                               const std::vector<FrictionValues>& starts,
+                               const std::vector<FrictionValues>& others,
+                               const FitOptions& options) {
+  constexpr int kMaxRounds = 40;
+  constexpr double kStill = 2e-5;  // of the cost: a tenth of what one noise counts, of 5000 rows
+  FitOptions few = options;
+  few.max_iterations = std::min(options.max_iterations, 5);
+  FitResult best = best_of(errors, model, starts, few);
+  if (!best.usable) best = best_of(errors, model, others, few);
   if (!best.usable) return bad_input("strips: no start of the fit finds them at rest");
   for (int round = 0; round < kMaxRounds; ++round) {
     const Eigen::VectorXd reference = best.parameters;
@@ -161,9 +185,10 @@ Expected<FitResult> fit_shapes(ContourErrors& errors, const model::Model& model,
 /// The fit from its starts, and what is known of each number.
 Expected<void> finish(ContourErrors& errors, const std::vector<ProfileSamples>& shared,
                       const model::Model& model, const std::vector<FrictionValues>& starts,
-                      const FrictionFitOptions& options, BendingEstimate& estimate) {
+                      const std::vector<FrictionValues>& others, const FrictionFitOptions& options,
+                      BendingEstimate& estimate) {
   FrictionEstimate& friction = estimate.friction;
-  auto found = fit_shapes(errors, model, starts, options.fit);
+  auto found = fit_shapes(errors, model, starts, others, options.fit);
   if (!found) return tl::unexpected(found.error());
   friction.fit = std::move(*found);
   friction.snapped = errors.snapped();
@@ -212,7 +237,8 @@ Expected<BendingEstimate> fit_bending(const BendingTests& tests, std::string_vie
   std::vector<FrictionValues> starts = path_starts(*shared);
   starts.push_back(start.stages.back());
   starts = torque_start(torques, model, std::move(starts), options.fit);
-  if (auto done = finish(errors, *shared, model, starts, options, estimate); !done)
+  const std::vector<FrictionValues> beside = beside_of(starts.front());
+  if (auto done = finish(errors, *shared, model, starts, beside, options, estimate); !done)
     return tl::unexpected(done.error());
   return estimate;
 }

@@ -25,8 +25,8 @@ const SheetSequence* finer_of(const SheetRequest& request, const std::string& id
   return nullptr;
 }
 
-/// Takes the grid's error off those sequences of `data` that come with finer ones, which rest where
-/// `fit` has them; false where there are none. `sigmas`: the largest error of forces.
+/// Takes the grid's error off those sequences of `data` that come with finer ones, which rest in
+/// `states`; false where there are none. `sigmas`: the largest error of forces.
 Expected<bool> take_off(const SheetRequest& request, const Control& control, bool held_out,
                         const model::Model& model, const FieldStates& states, FieldData& data,
                         double& sigmas) {

@@ -14,6 +14,10 @@ namespace v1 = wire::v1;
 namespace {
 
 constexpr auto kPresenceEvery = std::chrono::seconds(2);
+// Server and client match within tenths of a second. Once in thousands of starts on a busy machine
+// they never do: discovery then waits for a message that the other side does not send again. Only a
+// new participant helps.
+constexpr auto kJoinAgainAfter = std::chrono::seconds(3);
 constexpr std::chrono::milliseconds kResend[] = {std::chrono::seconds(1), std::chrono::seconds(2),
                                                  std::chrono::seconds(4)};
 // Both sides match in their own time: what arrives at an endpoint that has not matched its sender
@@ -43,6 +47,10 @@ Connection::Connection(ClientOptions options)
     : options_(std::move(options)), client_id_(wire::random_uuid()) {}
 
 Connection::~Connection() {
+  leave();
+}
+
+void Connection::leave() {
   if (!participant_) return;
   participant_->loop().cancel(timer_);
   announcements_.reset();
@@ -50,12 +58,23 @@ Connection::~Connection() {
   requests_.reset();
   presence_.reset();
   participant_.reset();
+  servers_.clear();
+  peers_.clear();
+  chosen_.reset();
 }
 
 Expected<std::unique_ptr<Connection>> Connection::open(const ClientOptions& options) {
   auto connection = std::unique_ptr<Connection>(new Connection(options));
+  const auto deadline = Clock::now() + options.timeout;
+  const auto patience = Clock::now() + kJoinAgainAfter;
   if (auto joined = connection->join(); !joined) return tl::unexpected(joined.error());
-  if (auto server = connection->wait_for_server(); !server) return tl::unexpected(server.error());
+  auto server = connection->wait_for_server(std::min(patience, deadline));
+  if (!server && patience < deadline) {
+    connection->leave();
+    if (auto joined = connection->join(); !joined) return tl::unexpected(joined.error());
+    server = connection->wait_for_server(deadline);
+  }
+  if (!server) return tl::unexpected(server.error());
   return connection;
 }
 
@@ -171,9 +190,13 @@ ServerView Connection::server() const {
 }
 
 Expected<ServerView> Connection::wait_for_server(const std::stop_token& stop) {
+  return wait_for_server(Clock::now() + options_.timeout, stop);
+}
+
+Expected<ServerView> Connection::wait_for_server(Clock::time_point deadline,
+                                                 const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  const bool there =
-      changed_.wait_for(lock, stop, options_.timeout, [this] { return usable_locked(); });
+  const bool there = changed_.wait_until(lock, stop, deadline, [this] { return usable_locked(); });
   if (stop.stop_requested())
     return fail(ErrorKind::cancelled, "stopped while waiting for the server");
   if (!there) return fail(ErrorKind::unavailable, why_no_server());

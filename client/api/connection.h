@@ -34,6 +34,7 @@ struct ServerView {
 
 class Connection {
  public:
+  /// Joins the domain and waits for the server; joins once more where the two do not match.
   static Expected<std::unique_ptr<Connection>> open(const ClientOptions& options);
   ~Connection();
 
@@ -61,6 +62,9 @@ class Connection {
 
   explicit Connection(ClientOptions options);
   Expected<void> join();
+  void leave();
+  Expected<ServerView> wait_for_server(Clock::time_point deadline,
+                                       const std::stop_token& stop = {});
   void meet(const ServerView& server);  ///< with mutex_
   void take(wire::v1::Server& sample, const wire::Peer& peer);
   void take(wire::v1::Reply& sample);

@@ -99,6 +99,8 @@ class ReaderCore::Impl final : public dds::DataReaderListener,
   void on_subscription_matched(dds::DataReader*,
                                const dds::SubscriptionMatchedStatus& status) override {
     const Peer peer = peer_of_handle(status.last_publication_handle);
+    // two matches at a time are told as one of two, then one of none: the latter says nothing
+    if (status.current_count_change == 0) return;
     const bool came = status.current_count_change > 0;
     {
       std::lock_guard lock(mutex_);

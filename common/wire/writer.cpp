@@ -47,6 +47,8 @@ class WriterCore::Impl final : public dds::DataWriterListener,
     eprosima::fastrtps::rtps::GUID_t guid;
     eprosima::fastrtps::rtps::iHandle2GUID(guid, status.last_subscription_handle);
     const Peer peer = peer_of(guid.guidPrefix);
+    // two matches at a time are told as one of two, then one of none: the latter says nothing
+    if (status.current_count_change == 0) return;
     const bool came = status.current_count_change > 0;
     {
       std::lock_guard lock(mutex_);

@@ -117,6 +117,18 @@ TEST(TwinGenerator, WhatTheBaselineAbsorbsHasNoSize) {
 
 // refining the integrator must not move a reading by a visible part of the noise, for effects ten
 // times the noise
+// also far from the plain cloth, where the tangent there no longer holds
+TEST(TwinGenerator, AClothOfTheBaselineHasNoShareOfTheForce) {
+  const std::vector<PlannedCapture> plans = *plan_suite("rich", Random(5));
+  const Truth plain;
+  Truth other = plain;
+  other.cloth.elastic.c11 *= 1.7;
+  other.cloth.elastic.c12 *= 0.5;
+  other.cloth.elastic.c33 *= 1.4;
+  EXPECT_LT(Ruler(plans, plain, Baseline::stvk_orthotropic, {}).share_of_force(other), 1e-4);
+  EXPECT_GT(Ruler(plans, plain, Baseline::stvk_isotropic, {}).share_of_force(other), 0.02);
+}
+
 TEST(TwinGenerator, SmallStepsAreSmallEnough) {
   const std::vector<PlannedCapture> plans = *plan_suite("rich", Random(1));
   Truth truth;

@@ -39,6 +39,50 @@ Truth moved(Truth truth, const Elastic& direction, double step) {
   return truth;
 }
 
+/// Columns as products of orthonormal ones and a triangle.
+struct Orthonormal {
+  std::vector<std::vector<double>> q;
+  std::vector<std::vector<double>> r;  ///< r[j]: column j by the q before it, then its own
+  std::vector<std::ptrdiff_t> own;     ///< which q column j added; -1: none
+
+  /// Coefficients of the columns in the least squares sense; zero for a column that added nothing.
+  std::vector<double> solve(const std::vector<double>& target) const {
+    std::vector<double> along(q.size());
+    for (std::size_t i = 0; i < q.size(); ++i) along[i] = dot(q[i], target);
+    std::vector<double> coefficients(own.size(), 0.0);
+    for (std::size_t j = own.size(); j-- > 0;) {
+      if (own[j] < 0) continue;
+      const auto last = static_cast<std::size_t>(own[j]);
+      coefficients[j] = along[last] / r[j][last];
+      for (std::size_t i = 0; i <= last; ++i) along[i] -= coefficients[j] * r[j][i];
+    }
+    return coefficients;
+  }
+};
+
+// modified Gram-Schmidt; a direction that the suite does not excite drops out
+Orthonormal orthonormal(std::vector<std::vector<double>> columns) {
+  Orthonormal basis;
+  for (std::vector<double>& column : columns) {
+    const double before = std::sqrt(dot(column, column));
+    std::vector<double> along;
+    for (const std::vector<double>& q : basis.q) {
+      along.push_back(dot(q, column));
+      subtract(column, along.back(), q);
+    }
+    const double after = std::sqrt(dot(column, column));
+    const bool adds = after > 1e-6 * before;
+    basis.own.push_back(adds ? static_cast<std::ptrdiff_t>(basis.q.size()) : -1);
+    if (adds) {
+      along.push_back(after);
+      for (double& value : column) value /= after;
+      basis.q.push_back(std::move(column));
+    }
+    basis.r.push_back(std::move(along));
+  }
+  return basis;
+}
+
 }  // namespace
 
 std::string preset_name(Baseline baseline) {
@@ -81,21 +125,25 @@ std::vector<double> whitened_readings(const std::vector<PlannedCapture>& plans, 
   return rows;
 }
 
-// modified Gram-Schmidt; a direction that the suite does not excite drops out
 Ruler::Ruler(const std::vector<PlannedCapture>& plans, const Truth& plain, Baseline baseline,
              const NoiseLevels& noise)
-    : plans_(plans), noise_(noise), plain_(whitened_readings(plans, plain, noise)) {
-  const double step = 1e-3 * plain.cloth.elastic.c11;
-  for (const Elastic& direction : directions(baseline)) {
-    std::vector<double> column = whitened_readings(plans, moved(plain, direction, step), noise);
-    subtract(column, 1.0, whitened_readings(plans, moved(plain, direction, -step), noise));
-    const double before = std::sqrt(dot(column, column));
-    for (const std::vector<double>& q : span_) subtract(column, dot(q, column), q);
-    const double after = std::sqrt(dot(column, column));
-    if (after <= 1e-6 * std::max(before, 1e-12)) continue;
-    for (double& value : column) value /= after;
-    span_.push_back(std::move(column));
+    : plans_(plans),
+      noise_(noise),
+      plain_cloth_(plain),
+      directions_(directions(baseline)),
+      plain_(whitened_readings(plans, plain, noise)),
+      span_(orthonormal(columns_at(plain)).q) {}
+
+std::vector<std::vector<double>> Ruler::columns_at(const Truth& cloth) const {
+  const double step = 1e-3 * plain_cloth_.cloth.elastic.c11;
+  std::vector<std::vector<double>> columns;
+  for (const Elastic& direction : directions_) {
+    std::vector<double> column = whitened_readings(plans_, moved(cloth, direction, step), noise_);
+    subtract(column, 1.0, whitened_readings(plans_, moved(cloth, direction, -step), noise_));
+    for (double& value : column) value /= 2.0 * step;
+    columns.push_back(std::move(column));
   }
+  return columns;
 }
 
 std::vector<double> Ruler::unabsorbed(const std::vector<double>& readings) const {
@@ -106,13 +154,30 @@ std::vector<double> Ruler::unabsorbed(const std::vector<double>& readings) const
 }
 
 double Ruler::share_of_force(const Truth& truth) const {
+  constexpr int kMostSteps = 10;
+  constexpr double kSettled = 1e-8;  // of the misfit
   std::vector<double> sigma_N_m;
   const std::vector<double> readings = whitened_readings(plans_, truth, noise_, &sigma_N_m);
-  const std::vector<double> added = unabsorbed(readings);
+  Truth best = plain_cloth_;
+  std::vector<double> left = readings;
+  subtract(left, 1.0, plain_);
+  for (int k = 0; k < kMostSteps; ++k) {  // Gauss-Newton; nearly linear in so few stiffnesses
+    const double before = dot(left, left);
+    const Orthonormal basis = orthonormal(columns_at(best));
+    const std::vector<double> steps = basis.solve(left);
+    Truth next = best;
+    for (std::size_t d = 0; d < steps.size(); ++d) next = moved(next, directions_[d], steps[d]);
+    std::vector<double> then = readings;
+    subtract(then, 1.0, whitened_readings(plans_, next, noise_));
+    if (dot(then, then) >= before) break;
+    best = next;
+    left = std::move(then);
+    if (before - dot(left, left) < kSettled * before) break;
+  }
   double effect = 0.0;
   double force = 0.0;
   for (std::size_t i = 0; i < readings.size(); ++i) {
-    effect += added[i] * added[i] * sigma_N_m[i] * sigma_N_m[i];
+    effect += left[i] * left[i] * sigma_N_m[i] * sigma_N_m[i];
     force += readings[i] * readings[i] * sigma_N_m[i] * sigma_N_m[i];
   }
   return force > 0.0 ? std::sqrt(effect / force) : 0.0;

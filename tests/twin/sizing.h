@@ -46,16 +46,22 @@ class Ruler {
   /// rms of whitened_readings(truth) - whitened_readings(plain), projected off the baseline's span.
   double size_of(const Truth& truth) const;
 
-  /// The same difference in stresses alone, rms over the rms of all stresses that are read: the
-  /// share of the force that the effect accounts for.
+  /// What the best baseline leaves of the stresses, rms over the rms of all stresses that are read:
+  /// the share of the force that the effect accounts for. The best baseline is sought among all of
+  /// its parameters, not only in the tangent at the plain cloth.
   double share_of_force(const Truth& truth) const;
 
  private:
   /// What is added to the readings, without what the baseline absorbs.
   std::vector<double> unabsorbed(const std::vector<double>& readings) const;
 
+  /// Readings' central differences by the baseline's parameters, each over twice the step.
+  std::vector<std::vector<double>> columns_at(const Truth& cloth) const;
+
   const std::vector<PlannedCapture>& plans_;
   NoiseLevels noise_;
+  Truth plain_cloth_;
+  std::vector<Elastic> directions_;
   std::vector<double> plain_;
   std::vector<std::vector<double>> span_;  ///< orthonormal
 };

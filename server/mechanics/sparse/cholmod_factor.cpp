@@ -2,19 +2,16 @@
 // CHOLMOD behind the interface: supernodal L L', the better of AMD and METIS by the size of L, and
 // a relaxation of the supernodes that was measured on cloth (wider leaves than CHOLMOD's default).
 //
-// Threads. Debian's CHOLMOD opens four OpenMP threads in its supernodal loops whatever
-// OMP_NUM_THREADS says, and is several times slower for it on two cores. The one thing that stops
-// it is omp_set_max_active_levels(0), which libgomp keeps per calling thread; so it is set around
-// each call and put back, and no main has to know. OpenBLAS has no such scope: its number of
-// threads belongs to the process and is set to one.
+// Threads. Each call is held to one (one_thread.h), and no main has to know. OpenBLAS has no such
+// scope: its number of threads belongs to the process and is set to one.
 #include <cholmod.h>
-#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <vector>
 
+#include "common/base/one_thread.h"
 #include "server/mechanics/sparse/block_graph.h"
 #include "server/mechanics/sparse/factor.h"
 
@@ -24,17 +21,6 @@ extern "C" __attribute__((weak)) void openblas_set_num_threads(int count);
 namespace tenter::mechanics {
 
 namespace {
-
-class OneThread {
- public:
-  OneThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
-  ~OneThread() { omp_set_max_active_levels(levels_); }
-  OneThread(const OneThread&) = delete;
-  OneThread& operator=(const OneThread&) = delete;
-
- private:
-  int levels_;
-};
 
 class CholmodFactor final : public SparseFactor {
  public:

@@ -2,9 +2,10 @@
 #include "tests/bench/equilibrium/cholmod_floor.h"
 
 #include <cholmod.h>
-#include <omp.h>
 
 #include <algorithm>
+
+#include "common/base/one_thread.h"
 
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int count);
 
@@ -15,7 +16,6 @@ namespace {
 class CholmodFloor final : public SparseFactor {
  public:
   CholmodFloor(Ordering ordering, Relaxation relaxation) {
-    omp_set_max_active_levels(0);
     if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
     cholmod_start(&common_);
     common_.print = 0;
@@ -79,6 +79,7 @@ class CholmodFloor final : public SparseFactor {
   }
 
  private:
+  OneThread one_thread_;
   cholmod_common common_ = {};
   cholmod_sparse matrix_ = {};
   cholmod_factor* factor_ = nullptr;

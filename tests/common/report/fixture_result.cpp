@@ -7,12 +7,11 @@
 
 #include "common/model/document.h"
 #include "common/model/presets.h"
+#include "common/report/json_access.h"
 
 namespace tenter::report::fixture {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string capture_id(int index) {
   return std::string(63, 'a') + static_cast<char>('0' + index);

@@ -12,7 +12,6 @@ namespace tenter::report {
 namespace {
 
 using fixture::count;
-using fixture::Json;
 using fixture::page_of;
 using fixture::poison;
 

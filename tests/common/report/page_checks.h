@@ -2,14 +2,12 @@
 // What tests of pages ask of them, whatever the page is about.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "common/report/html_report.h"
+#include "common/report/json_access.h"
 
 namespace tenter::report::fixture {
-
-using Json = nlohmann::ordered_json;
 
 inline std::size_t count(const std::string& text, const std::string& what) {
   std::size_t n = 0;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/common/report/experiment/fixture_simulation.h"
 
-namespace tenter::report::fixture {
+#include "common/report/json_access.h"
 
-using Json = nlohmann::ordered_json;
+namespace tenter::report::fixture {
 
 namespace {
 

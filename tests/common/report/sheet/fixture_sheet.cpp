@@ -7,12 +7,11 @@
 
 #include "common/model/document.h"
 #include "common/model/presets.h"
+#include "common/report/json_access.h"
 
 namespace tenter::report::fixture {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kRoles[] = {"stretch_u", "stretch_v", "shear", "bend_u", "evaluation"};
 

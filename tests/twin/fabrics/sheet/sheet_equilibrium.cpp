@@ -1,28 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/twin/fabrics/sheet/sheet_equilibrium.h"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/one_thread.h"
+
 namespace tenter::twin {
 
-namespace {
-
-/// Debian's CHOLMOD opens four threads in its supernodal loops unless this thread may open none.
-class OneThread {
- public:
-  OneThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
-  ~OneThread() { omp_set_max_active_levels(levels_); }
-  OneThread(const OneThread&) = delete;
-  OneThread& operator=(const OneThread&) = delete;
-
- private:
-  int levels_;
-};
-
-}  // namespace
+namespace {}  // namespace
 
 SheetSolver::SheetSolver(const Sheet& sheet, const std::vector<int>& held) : sheet_(&sheet) {
   std::vector<int> place(static_cast<std::size_t>(sheet.unknown_count()), 0);

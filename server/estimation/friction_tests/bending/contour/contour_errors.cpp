@@ -21,6 +21,11 @@ bool is_kept(const ProfileSamples& profile, double arc_m) {
   });
 }
 
+/// Not more than four standard deviations of chi-squared above its mean.
+bool is_noise(double misfit, int rows) {
+  return misfit <= rows + 4.0 * std::sqrt(2.0 * rows);
+}
+
 RestingShape shape_of(const ProfileSamples& profile) {
   const double length = profile.curve.length_m();
   const int pieces = static_cast<int>(std::lround(length / profile.width_m));
@@ -50,7 +55,7 @@ ContourErrors::ContourErrors(StrainPoint point,
     reach_ = std::max(reach_, profile.anchor);
     for (const TorqueSample& sample : profile.samples)
       reach_ = std::max(reach_, std::abs(sample.strain));
-    Strip strip{shape_of(profile), {}, false, false, {}, {}, {}, row_count()};
+    Strip strip{shape_of(profile), {}, false, false, {}, {}, {}, 0.0, row_count()};
     std::vector<double> arcs;
     const std::size_t last = profile.points.size() - 1;
     for (std::size_t j = 0; j <= last; ++j) {
@@ -130,38 +135,57 @@ bool ContourErrors::look(Strip& strip, const ProfileSamples& profile,
   return distances.allFinite();
 }
 
-// Gauss-Newton from where it stands, a step at a time as long as the points come nearer.
+// Marquardt's steps from where it stands, in units of the columns' largest lengths: where a snap
+// holds what is next to the clamp upright, the clamp's direction moves the points by its square
+// only, and what is below a held run may turn as far as it likes.
 bool ContourErrors::find_placement(Strip& strip, const ProfileSamples& profile,
                                    const Eigen::VectorXd& parameters) {
-  Eigen::VectorXd distances;
-  RowMatrix by;
+  Eigen::VectorXd distances, next;
+  RowMatrix by, next_by;
   Eigen::VectorXd arcs = strip.at.arcs;
   if (!look(strip, profile, parameters, strip.at.placement, arcs, distances, &by)) return false;
-  constexpr int kSteps = 15;
-  constexpr int kHalvings = 6;
-  for (int step = 0; step < kSteps; ++step) {
+  const Eigen::Index columns = strip.shape.placement_count();
+  const auto stand = [&] {
     strip.at.arcs = arcs;
     strip.at.directions = strip.shape.directions();
-    const auto solver = Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(
-        by.rightCols(strip.shape.placement_count()));
-    const Eigen::VectorXd change = solver.solve(-distances);
-    const double before = distances.squaredNorm();
-    double share = 1.0;
-    bool is_nearer = false;
-    for (int halving = 0; halving < kHalvings && !is_nearer; ++halving, share *= 0.5) {
-      arcs = strip.at.arcs;
-      const Eigen::VectorXd placement = strip.at.placement + share * change;
-      is_nearer = look(strip, profile, parameters, placement, arcs, distances, &by) &&
-                  distances.squaredNorm() < before;
-      if (is_nearer) strip.at.placement = placement;
+  };
+  stand();
+  constexpr int kSteps = 40;
+  constexpr double kWorth = 1e-5;  // of the sum of squares, in units of the noise's
+  constexpr double kHeaviest = 1e8;
+  double damping = 1e-3;
+  double growth = 2.0;
+  Eigen::VectorXd units = Eigen::VectorXd::Zero(columns);
+  for (int step = 0; step < kSteps && damping < kHeaviest; ++step) {
+    const Eigen::MatrixXd moves = by.rightCols(columns);
+    units = units.cwiseMax(moves.colwise().norm().transpose());
+    Eigen::MatrixXd damped(moves.rows() + columns, columns);
+    damped << moves, Eigen::MatrixXd((std::sqrt(damping) * units).asDiagonal());
+    Eigen::VectorXd wanted = Eigen::VectorXd::Zero(damped.rows());
+    wanted.head(moves.rows()) = -distances;
+    const Eigen::VectorXd change =
+        Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(damped).solve(wanted);
+    const double promised = distances.squaredNorm() - (distances + moves * change).squaredNorm();
+    if (!(promised > kWorth)) break;
+    arcs = strip.at.arcs;
+    const bool is_nearer = look(strip, profile, parameters, strip.at.placement + change, arcs, next,
+                                &next_by) &&
+                           next.squaredNorm() < distances.squaredNorm();
+    if (!is_nearer) {
+      damping *= growth;
+      growth *= 2.0;
+      continue;
     }
-    if (!is_nearer || before - distances.squaredNorm() <= 1e-6 * before) break;
+    const double kept = (distances.squaredNorm() - next.squaredNorm()) / promised;
+    damping *= std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * kept - 1.0, 3.0));
+    growth = 2.0;
+    strip.at.placement += change;
+    stand();
+    distances.swap(next);
+    by.swap(next_by);
   }
-  arcs = strip.at.arcs;
-  if (!look(strip, profile, parameters, strip.at.placement, arcs, distances, &by)) return false;
-  strip.at.arcs = arcs;
-  strip.at.directions = strip.shape.directions();
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(by.rightCols(strip.shape.placement_count()));
+  strip.misfit = distances.squaredNorm();
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(by.rightCols(columns));
   qr.setThreshold(kFlat);
   strip.placed = qr.householderQ() * Eigen::MatrixXd::Identity(by.rows(), qr.rank());
   return true;
@@ -170,9 +194,21 @@ bool ContourErrors::find_placement(Strip& strip, const ProfileSamples& profile,
 PathStatus ContourErrors::set_reference(const Eigen::VectorXd& parameters) {
   for (std::size_t i = 0; i < strips_.size(); ++i) {
     Strip& strip = strips_[i];
-    if (strip.row_count() == 0 || find_placement(strip, (*profiles_)[i], parameters)) continue;
-    strip.at = strip.read;  // where it stood last is no place to begin from
-    if (!find_placement(strip, (*profiles_)[i], parameters)) return PathStatus::no_equilibrium;
+    const ProfileSamples& profile = (*profiles_)[i];
+    if (strip.row_count() == 0) continue;
+    const bool is_found = find_placement(strip, profile, parameters);
+    if (is_found && is_noise(strip.misfit, strip.row_count())) continue;
+    // a strip may rest in more than one way, and where it stood last is no place to begin from
+    const Strip::Stand last = strip.at;
+    const Eigen::MatrixXd placed = strip.placed;
+    const double misfit = strip.misfit;
+    strip.at = strip.read;
+    if (find_placement(strip, profile, parameters) && (!is_found || strip.misfit < misfit))
+      continue;
+    if (!is_found) return PathStatus::no_equilibrium;
+    strip.at = last;
+    strip.placed = placed;
+    strip.misfit = misfit;
   }
   return PathStatus::ok;
 }

@@ -56,6 +56,7 @@ class ContourErrors final : public ResidualFunction {
     Stand read;              ///< of the smooth curve
     Stand at;                ///< of the model's strip at the reference
     Eigen::MatrixXd placed;  ///< orthonormal: rows that the placement can follow
+    double misfit = 0.0;     ///< sum of squares at the reference
     int first_row = 0;
     int row_count() const;
   };

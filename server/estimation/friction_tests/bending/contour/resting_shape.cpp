@@ -183,13 +183,10 @@ bool RestingShape::leap(OneWay& way) {
 }
 
 // The same down the work, every cell held back by a viscosity that goes as the steps succeed.
-bool RestingShape::creep(OneWay& way) {
-  constexpr int kMaxSteps = 200;
-  double held_back = 1.0 / way.softness();
-  const double least = 1e-8 * held_back;
+bool RestingShape::creep(OneWay& way, int steps, double& held_back) {
+  const double least = 1e-8 / way.softness();
   Eigen::VectorXd step, before;
-  touch(way);
-  for (int i = 0; i < kMaxSteps; ++i) {
+  for (int i = 0; i < steps; ++i) {
     assemble(0.0);
     if (!reduced_.allFinite()) return false;
     if (is_small(reduced_.cwiseAbs().maxCoeff())) return factorise();
@@ -218,6 +215,24 @@ bool RestingShape::creep(OneWay& way) {
   return false;
 }
 
+// A snap goes along the strip cell by cell, and creeping follows it a few steps a cell; leaps take
+// the rest of the way at once, but only from near enough.
+bool RestingShape::creep_and_leap(OneWay& way) {
+  constexpr int kRounds = 40;
+  constexpr int kCreepingSteps = 20;
+  double held_back = 1.0 / way.softness();
+  for (int round = 0; round < kRounds; ++round) {
+    if (creep(way, kCreepingSteps, held_back)) return true;
+    if (!unknowns_.allFinite()) return false;
+    const Eigen::VectorXd crept = unknowns_;
+    if (leap(way)) return true;
+    unknowns_ = crept;
+    turn();
+    touch(way);
+  }
+  return false;
+}
+
 bool RestingShape::rest(OneWay& way, const Eigen::VectorXd& placement,
                         const Eigen::VectorXd& guess) {
   placement_ = placement;
@@ -241,12 +256,13 @@ bool RestingShape::rest(OneWay& way, const Eigen::VectorXd& placement,
     touch(way);
   };
   begin();
-  if (count_ > 0 && !leap(way)) {
+  bool is_at_rest = count_ == 0 || leap(way);
+  if (!is_at_rest) {
     begin();
-    if (!creep(way)) return false;
+    is_at_rest = creep_and_leap(way);
   }
-  lay_out();
-  return true;
+  if (is_at_rest) lay_out();
+  return is_at_rest;
 }
 
 // K d theta = - d force: parameters act through the torque of cells, the placement through the

@@ -65,7 +65,8 @@ class RestingShape {
   void touch(OneWay& way);
   bool is_small(double torque) const;
   bool leap(OneWay& way);
-  bool creep(OneWay& way);
+  bool creep(OneWay& way, int steps, double& held_back);
+  bool creep_and_leap(OneWay& way);
   void assemble(double held_back);
   bool factorise();
   void solve(Eigen::VectorXd& x) const;

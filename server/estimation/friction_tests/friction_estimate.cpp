@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/estimation/friction_tests/friction_estimate.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -66,11 +67,43 @@ std::string reason_words(const FrictionEstimate& estimate, int parameter,
   return "the noise of the readings is too large for more";
 }
 
-void interval_from_covariance(const FitResult& fit, int parameter, const model::Parameter& p,
-                              FrictionNumber& number) {
-  const auto k = static_cast<std::size_t>(parameter);
-  if (fit.states[k] != ParameterState::free) return;
-  const double half = 1.959963984540054 * fit.std_error[parameter];
+/// Of all numbers that the data move, those at a bound among them: the truth beside a bound is not
+/// on it, and the others' numbers are as uncertain as if it were free.
+Eigen::VectorXd standard_errors(const FitResult& fit, const FitOptions& options) {
+  std::vector<Eigen::Index> moving;
+  bool has_bound = false;
+  for (std::size_t i = 0; i < fit.states.size(); ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    const bool is_bound = fit.states[i] == ParameterState::at_bound;
+    if (!is_bound && fit.states[i] != ParameterState::free) continue;
+    if (!(fit.jacobian.col(column).squaredNorm() > 0.0)) continue;
+    has_bound = has_bound || is_bound;
+    moving.push_back(column);
+  }
+  if (!has_bound) return fit.std_error;
+  const Eigen::MatrixXd columns = fit.jacobian(Eigen::all, moving);
+  const Eigen::VectorXd lengths = columns.colwise().norm();
+  const Eigen::MatrixXd scaled = columns * lengths.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd covariance =
+      (scaled.transpose() * scaled)
+          .ldlt()
+          .solve(Eigen::MatrixXd::Identity(scaled.cols(), scaled.cols()));
+  const double width = std::sqrt(inflation(fit, options));
+  Eigen::VectorXd errors = Eigen::VectorXd::Zero(fit.std_error.size());
+  for (std::size_t k = 0; k < moving.size(); ++k) {
+    const auto c = static_cast<Eigen::Index>(k);
+    errors[moving[k]] = width * std::sqrt(std::max(0.0, covariance(c, c))) / lengths[c];
+  }
+  return errors;
+}
+
+void interval_from_covariance(const FitResult& fit, const Eigen::VectorXd& errors, int parameter,
+                              const model::Parameter& p, FrictionNumber& number) {
+  const ParameterState state = fit.states[static_cast<std::size_t>(parameter)];
+  const double half = 1.959963984540054 * errors[parameter];
+  if (state == ParameterState::at_bound && half > 0.0 && p.lower && number.value <= *p.lower + half)
+    number.hi = number.value + half;
+  if (state != ParameterState::free) return;
   if (!p.lower || number.value - half > *p.lower) number.lo = number.value - half;
   number.hi = number.value + half;
 }
@@ -98,6 +131,7 @@ void judge(const MakeFunction& make, const model::Model& start, const FrictionFi
     estimate.profiles = profiles(make, estimate.model, estimate.fit, options.fit, how);
   }
   estimate.numbers.clear();
+  const Eigen::VectorXd errors = standard_errors(estimate.fit, options.fit);
   for (const int i : kReported) {
     model::Parameter& p = *parameters[static_cast<std::size_t>(i)];
     FrictionNumber number;
@@ -116,7 +150,7 @@ void judge(const MakeFunction& make, const model::Model& start, const FrictionFi
       number.lo = profile->lo;
       number.hi = profile->hi;
     } else {
-      interval_from_covariance(estimate.fit, i, p, number);
+      interval_from_covariance(estimate.fit, errors, i, p, number);
     }
     const bool has_rival =
         profile != estimate.profiles.end() && profile->determined == Determined::multimodal;

@@ -13,7 +13,11 @@ using mechanics::PathStatus;
 namespace {
 
 constexpr int kFewestCells = 240;
-constexpr double kFlat = 1e-9;  // a direction of the placement that nothing tells
+// what was read of a held run is uncertain in every interval of the smooth curve: where it may not
+// turn, what it is wrong by is taken for the law's
+constexpr int kTurns = 2;        // in each of these intervals
+constexpr int kFewestTurns = 3;  // direction and place of what hangs below
+constexpr double kFlat = 1e-9;   // a direction of the placement that nothing tells
 
 bool is_kept(const ProfileSamples& profile, double arc_m) {
   return std::any_of(profile.samples.begin(), profile.samples.end(), [&](const TorqueSample& s) {
@@ -39,13 +43,18 @@ RestingShape shape_of(const ProfileSamples& profile) {
     if (held.empty() || held.back().last != i) held.push_back({i, i});
     held.back().last = i + 1;
   }
+  for (HeldRun& run : held) {
+    const int count = run.last - run.first;
+    run.turns = std::min(std::max(kFewestTurns, kTurns * profile.intervals * count / cells), count);
+  }
   return {length, profile.weight_N_m2, std::move(strain), std::move(held)};
 }
 
 }  // namespace
 
 int ContourErrors::Strip::row_count() const {
-  return static_cast<int>(points.size()) + (has_start ? 1 : 0) + (has_end ? 1 : 0);
+  constexpr int kEnds = 2;
+  return points.empty() ? 0 : static_cast<int>(points.size()) + kEnds;
 }
 
 ContourErrors::ContourErrors(StrainPoint point,
@@ -55,19 +64,10 @@ ContourErrors::ContourErrors(StrainPoint point,
     reach_ = std::max(reach_, profile.anchor);
     for (const TorqueSample& sample : profile.samples)
       reach_ = std::max(reach_, std::abs(sample.strain));
-    Strip strip{shape_of(profile), {}, false, false, {}, {}, {}, 0.0, row_count()};
-    std::vector<double> arcs;
-    const std::size_t last = profile.points.size() - 1;
-    for (std::size_t j = 0; j <= last; ++j) {
-      const double arc = profile.curve.arcs()[j];
-      if (!is_kept(profile, arc)) continue;
-      strip.points.push_back(profile.points[j]);
-      arcs.push_back(arc);
-      strip.has_start = strip.has_start || j == 0;
-      strip.has_end = strip.has_end || j == last;
-    }
-    strip.read.arcs =
-        Eigen::Map<const Eigen::VectorXd>(arcs.data(), static_cast<Eigen::Index>(arcs.size()));
+    Strip strip{shape_of(profile), {}, {}, {}, {}, 0.0, row_count()};
+    if (!profile.samples.empty()) strip.points = profile.points;
+    strip.read.arcs = Eigen::Map<const Eigen::VectorXd>(
+        profile.curve.arcs().data(), static_cast<Eigen::Index>(strip.points.size()));
     strip.read.placement.setZero(strip.shape.placement_count());
     const ContourPoint clamp = profile.curve.position(0.0);
     strip.read.placement.head<3>() << clamp.x_m, clamp.y_m, profile.curve.direction(0.0);
@@ -101,7 +101,7 @@ bool ContourErrors::look(Strip& strip, const ProfileSamples& profile,
   Eigen::Index end_row = count;
   for (Eigen::Index j = 0; j < count; ++j) {
     const ContourPoint& point = strip.points[static_cast<std::size_t>(j)];
-    const bool is_end = (j == 0 && strip.has_start) || (j == count - 1 && strip.has_end);
+    const bool is_end = j == 0 || j == count - 1;
     RestingShape::Place at;
     double c = 0.0, s = 0.0, along = 0.0, across = 0.0;
     constexpr int kSlides = 12;
@@ -137,7 +137,7 @@ bool ContourErrors::look(Strip& strip, const ProfileSamples& profile,
 
 // Marquardt's steps from where it stands, in units of the columns' largest lengths: where a snap
 // holds what is next to the clamp upright, the clamp's direction moves the points by its square
-// only, and what is below a held run may turn as far as it likes.
+// only.
 bool ContourErrors::find_placement(Strip& strip, const ProfileSamples& profile,
                                    const Eigen::VectorXd& parameters) {
   Eigen::VectorXd distances, next;
@@ -168,9 +168,9 @@ bool ContourErrors::find_placement(Strip& strip, const ProfileSamples& profile,
     const double promised = distances.squaredNorm() - (distances + moves * change).squaredNorm();
     if (!(promised > kWorth)) break;
     arcs = strip.at.arcs;
-    const bool is_nearer = look(strip, profile, parameters, strip.at.placement + change, arcs, next,
-                                &next_by) &&
-                           next.squaredNorm() < distances.squaredNorm();
+    const bool is_nearer =
+        look(strip, profile, parameters, strip.at.placement + change, arcs, next, &next_by) &&
+        next.squaredNorm() < distances.squaredNorm();
     if (!is_nearer) {
       damping *= growth;
       growth *= 2.0;

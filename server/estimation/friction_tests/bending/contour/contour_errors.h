@@ -9,8 +9,10 @@
 // a strip snaps, nor that a smooth curve rounds off what bends sharply.
 //
 // The ends of a strip are seen, and count along it as well. Pieces left out (torque_samples.h) keep
-// their measured bend and give no rows. What the data do not say beforehand, the placement of each
-// strip, is taken out: rows are those of the best placement near set_reference()'s.
+// their measured bend; of the law they say nothing, but their points tell where the weight hangs
+// that bends what is above them. What the data do not say beforehand, the placement of each strip
+// with the turns of such pieces, as many as the smooth curve has intervals there, is taken out:
+// rows are those of the best placement near set_reference()'s.
 //
 // One row per point, blocks are strips of one radius. Exact Jacobian (with the reference held).
 // sigma is each profile's own scatter about its smooth curve. One thread per object.
@@ -46,8 +48,7 @@ class ContourErrors final : public ResidualFunction {
  private:
   struct Strip {
     RestingShape shape;
-    std::vector<ContourPoint> points;  ///< those that count, in order
-    bool has_start = false, has_end = false;
+    std::vector<ContourPoint> points;  ///< none where no piece is kept
     struct Stand {
       Eigen::VectorXd arcs;  ///< of the points
       Eigen::VectorXd placement;

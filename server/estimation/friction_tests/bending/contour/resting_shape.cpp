@@ -27,8 +27,10 @@ RestingShape::RestingShape(double length_m, double weight_N_m2, Eigen::VectorXd 
       strain_(std::move(strain)),
       held_(std::move(held)) {
   is_held_.assign(static_cast<std::size_t>(cells_), false);
-  for (const HeldRun& run : held_)
+  for (const HeldRun& run : held_) {
     for (int i = run.first; i < run.last; ++i) is_held_[static_cast<std::size_t>(i)] = true;
+    placement_count_ += run.turns;
+  }
   unknown_.assign(static_cast<std::size_t>(cells_) + 1, -1);
   for (int i = 0; i < cells_; ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -71,10 +73,6 @@ void RestingShape::assemble(double held_back) {
     diagonal_[i] += stiffness;
     diagonal_[i + 1] += stiffness;
     beside_[i] -= stiffness;
-  }
-  for (std::size_t r = 0; r < held_.size(); ++r) {
-    const double below = length_ - held_[r].last * cell_;
-    force_[held_[r].first] += weight_ * below * placement_[static_cast<Eigen::Index>(4 + 3 * r)];
   }
   reduced_.setZero(count_);
   matrix_diagonal_.setZero(count_);
@@ -236,11 +234,16 @@ bool RestingShape::creep_and_leap(OneWay& way) {
 bool RestingShape::rest(OneWay& way, const Eigen::VectorXd& placement,
                         const Eigen::VectorXd& guess) {
   placement_ = placement;
-  for (std::size_t r = 0; r < held_.size(); ++r) {
-    const int middle = (held_[r].first + held_[r].last) / 2;
-    for (int k = held_[r].first; k < held_[r].last; ++k)
-      turned_[k + 1] = turned_[k] + strain_[k] / 3.0 * cell_ +
-                       (k == middle ? placement_[static_cast<Eigen::Index>(3 + 3 * r)] : 0.0);
+  Eigen::Index column = 3;
+  for (const HeldRun& run : held_) {
+    int turn = 0;
+    for (int k = run.first; k < run.last; ++k) {
+      turned_[k + 1] = turned_[k] + strain_[k] / 3.0 * cell_;
+      if (turn < run.turns && k == run.turn_at(turn)) {
+        turned_[k + 1] += placement_[column++];
+        ++turn;
+      }
+    }
   }
   directions_.resize(cells_ + 1);
   unknowns_.resize(count_);
@@ -266,7 +269,7 @@ bool RestingShape::rest(OneWay& way, const Eigen::VectorXd& placement,
 }
 
 // K d theta = - d force: parameters act through the torque of cells, the placement through the
-// directions that it gives and through the weight that it shifts.
+// directions that it gives.
 void RestingShape::differentiate(OneWay& way, int parameters) {
   parameters_ = parameters;
   const int columns = parameters + placement_count();
@@ -296,12 +299,9 @@ void RestingShape::differentiate(OneWay& way, int parameters) {
     }
   };
   given(parameters + 2, 0);
-  for (std::size_t r = 0; r < held_.size(); ++r) {
-    const int column = parameters + 3 + 3 * static_cast<int>(r);
-    const int middle = (held_[r].first + held_[r].last) / 2;
-    given(column, middle + 1);
-    pushed(held_[r].first, column + 1) += weight_ * (length_ - held_[r].last * cell_);
-  }
+  int turning = parameters + 3;
+  for (const HeldRun& run : held_)
+    for (int turn = 0; turn < run.turns; ++turn) given(turning++, run.turn_at(turn) + 1);
   Eigen::VectorXd right(count_);
   for (int column = 0; column < columns; ++column) {
     right.setZero();
@@ -331,12 +331,6 @@ void RestingShape::differentiate(OneWay& way, int parameters) {
   }
   x_by_.col(parameters).array() += 1.0;
   y_by_.col(parameters + 1).array() += 1.0;
-  for (std::size_t r = 0; r < held_.size(); ++r) {
-    const int column = parameters + 3 + 3 * static_cast<int>(r);
-    const int below = cells_ + 1 - held_[r].last;
-    x_by_.col(column + 1).tail(below).array() += 1.0;
-    y_by_.col(column + 2).tail(below).array() += 1.0;
-  }
 }
 
 void RestingShape::lay_out() {
@@ -344,15 +338,10 @@ void RestingShape::lay_out() {
   y_.resize(cells_ + 1);
   x_[0] = placement_[0];
   y_[0] = placement_[1];
-  std::size_t run = 0;
   for (int i = 0; i < cells_; ++i) {
     const Place at = within(i, cell_);
     x_[i + 1] = at.x;
     y_[i + 1] = at.y;
-    if (run == held_.size() || i + 1 != held_[run].last) continue;
-    x_[i + 1] += placement_[static_cast<Eigen::Index>(4 + 3 * run)];
-    y_[i + 1] += placement_[static_cast<Eigen::Index>(5 + 3 * run)];
-    ++run;
   }
 }
 

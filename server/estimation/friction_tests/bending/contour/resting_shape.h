@@ -9,10 +9,10 @@
 // equations are those of a chain, tridiagonal, and Newton's way goes down the work.
 //
 // Pieces of which the law says nothing (held runs: they did not go one way) keep the strains that
-// were read. Free instead are the angle, and the distance along x and y, by which what hangs below
-// such a run stands off: those, and place and direction of the clamp, are the `placement`
+// were read, and turn besides by angles at a few even places, as far as what was read is uncertain:
+// those angles, and place and direction of the clamp, are the `placement`
 //
-//   x, y, theta of the clamp; then theta, x, y of each held run
+//   x, y, theta of the clamp; then the turns of each held run
 //
 // which the caller fits to what was seen. Cost: about 8 evaluations of T a cell. One thread per
 // object; the result depends on nothing but the arguments.
@@ -26,10 +26,13 @@
 
 namespace tenter::estimation {
 
-/// Cells first to last - 1.
+/// Cells first to last - 1; turns: not more than there are cells.
 struct HeldRun {
   int first = 0;
   int last = 0;
+  int turns = 1;
+  /// The cell at whose end the strip turns.
+  int turn_at(int turn) const { return first + (2 * turn + 1) * (last - first) / (2 * turns); }
 };
 
 class RestingShape {
@@ -39,7 +42,7 @@ class RestingShape {
                std::vector<HeldRun> held);
 
   int cells() const { return cells_; }
-  int placement_count() const { return 3 + 3 * static_cast<int>(held_.size()); }
+  int placement_count() const { return placement_count_; }
   const std::vector<HeldRun>& held() const { return held_; }
 
   /// From a guess of the directions (cells + 1); false where no rest is found.
@@ -83,6 +86,7 @@ class RestingShape {
   Eigen::VectorXd turned_;
   std::vector<bool> is_held_;
   int count_ = 0;
+  int placement_count_ = 3;
 
   Eigen::VectorXd placement_, unknowns_, directions_;
   /// Of cells: the line that stands for the law, torque_ at strain_at_ with slope tangent_.

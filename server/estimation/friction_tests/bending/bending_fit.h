@@ -13,7 +13,7 @@
 //   Expected<BendingEstimate> found = fit_bending(by_sense(tests)[0], "bend_v");
 //
 // bad_input: see check() of strip_test.h; a measure that is not a bending; fewer samples left than
-// parameters. Cost: 40 strips 1 to 5 s, with profiles of the likelihood 17 s. Pure; any thread.
+// parameters. Cost: 40 strips 1 s, with profiles of the likelihood 18 s and more. Pure; any thread.
 #pragma once
 
 #include <string_view>

@@ -216,7 +216,7 @@ bool RestingShape::creep(OneWay& way, int steps, double& held_back) {
 // A snap goes along the strip cell by cell, and creeping follows it a few steps a cell; leaps take
 // the rest of the way at once, but only from near enough.
 bool RestingShape::creep_and_leap(OneWay& way) {
-  constexpr int kRounds = 40;
+  constexpr int kRounds = 12;
   constexpr int kCreepingSteps = 20;
   double held_back = 1.0 / way.softness();
   for (int round = 0; round < kRounds; ++round) {

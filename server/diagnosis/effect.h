@@ -100,7 +100,7 @@ struct Effect {
   std::string id;
   std::string words;  ///< as its row in common/effects says them, like all that is words here
   effects::Kind kind = effects::Kind::material;
-  bool in_every_run = true;  ///< false: an accident; what is left out cannot be asked for it
+  bool in_every_run = true;  ///< false: an accident; other runs and captures do not show it
   bool needs_rate = false;   ///< without time or rate at most AMBIGUOUS
   /// Another effect, of which this is a sharper form: where both do alike the other is the word.
   std::string special_form_of = {};

@@ -88,10 +88,10 @@ std::vector<Candidate> worth_a_refit(const Screen& screen, const estimation::Fit
   constexpr double kShare = 0.5;
   std::vector<Candidate> candidates = shortlist(screen, fit, kEffects);
   double best = 0.0;
-  for (const Candidate& c : candidates) best = std::max(best, c.gain);
+  for (const Candidate& c : candidates) best = std::max(best, c.within);
   std::map<const Effect*, int> taken;
   std::erase_if(candidates, [&](const Candidate& c) {
-    return c.gain < kShare * best || ++taken[c.effect] > kVariants;
+    return c.within < kShare * best || ++taken[c.effect] > kVariants;
   });
   return candidates;
 }

@@ -25,26 +25,48 @@ FieldFit fit_of(const FieldTrial& trial, const FieldFit& before) {
   return {{trial.trial.model, trial.trial.fit, trial.trial.block_chi2}, trial.states, before.rows};
 }
 
-/// Largest share, over kinds of channels, of the noise's power there that is explained: forces are
-/// few among thousands of positions.
-double share_of_noise(const FieldFit& before, const FieldTrial& after, const FieldData& data) {
+/// chi2 of one kind of channel of one sequence, by both models.
+struct KindChi2 {
+  double before = 0.0, after = 0.0, rows = 0.0;
+};
+
+std::vector<KindChi2> chi2_by_kind(const FieldFit& before, const FieldTrial& after,
+                                   const FieldData& data) {
   const std::vector<int> places = kind_places(data.sequences, before.rows);
-  std::vector<double> gain;
-  std::vector<double> rows;
+  std::vector<KindChi2> kinds;
   for (std::size_t r = 0; r < places.size(); ++r) {
     const auto p = static_cast<std::size_t>(places[r]);
-    if (gain.size() <= p) {
-      gain.resize(p + 1, 0.0);
-      rows.resize(p + 1, 0.0);
-    }
+    if (kinds.size() <= p) kinds.resize(p + 1);
     const auto k = static_cast<Eigen::Index>(r);
-    gain[p] += std::pow(before.at.fit.residuals[k], 2) - std::pow(after.trial.fit.residuals[k], 2);
-    rows[p] += 1.0;
+    kinds[p].before += std::pow(before.at.fit.residuals[k], 2);
+    kinds[p].after += std::pow(after.trial.fit.residuals[k], 2);
+    kinds[p].rows += 1.0;
   }
+  std::erase_if(kinds, [](const KindChi2& kind) { return kind.rows == 0.0; });
+  return kinds;
+}
+
+/// Largest share, over kinds of channels, of the noise's power there that is explained: forces are
+/// few among thousands of positions.
+double share_of_noise(const std::vector<KindChi2>& kinds) {
   double largest = 0.0;
-  for (std::size_t p = 0; p < gain.size(); ++p)
-    if (rows[p] > 0.0) largest = std::max(largest, gain[p] / rows[p]);
+  for (const KindChi2& kind : kinds)
+    largest = std::max(largest, (kind.before - kind.after) / kind.rows);
   return largest;
+}
+
+/// Over all kinds, each in the noise that the larger model leaves of it where that is more than
+/// what is stated: a hundred forces that scatter twice as far as stated would pass for strong
+/// evidence beside ten thousand positions that do not.
+KindChi2 in_noise_left(const std::vector<KindChi2>& kinds) {
+  KindChi2 sum;
+  for (const KindChi2& kind : kinds) {
+    const double noise = std::max(1.0, kind.after / kind.rows);
+    sum.before += kind.before / noise;
+    sum.after += kind.after / noise;
+    sum.rows += kind.rows;
+  }
+  return sum;
 }
 
 /// Expected square by which a fit to the rest errs on what is left out, tr(J_o (J_t'J_t)^-1 J_o')
@@ -92,7 +114,8 @@ std::string held_out_objection(FieldTrial& trial, const FieldFit& before, const 
     // speak neither for nor against it: then parts of what was fitted judge, left out in turn
   }
   const FieldFit larger = fit_of(trial, before);
-  const estimation::Folds folds = telling_folds(larger, before, data);
+  const estimation::Folds folds =
+      telling_folds(larger, before, data, !trial.trial.effect->in_every_run);
   if (folds.training.empty()) return "there is nothing that could be left out";
   const estimation::HeldOut after = cross_validate_field(larger, data, folds, options);
   const estimation::HeldOut earlier = cross_validate_field(before, data, folds, options);
@@ -103,13 +126,15 @@ std::string held_out_objection(FieldTrial& trial, const FieldFit& before, const 
 }  // namespace
 
 estimation::Folds telling_folds(const FieldFit& larger, const FieldFit& smaller,
-                                const FieldData& data) {
+                                const FieldData& data, bool is_accident) {
   constexpr double kShown = 0.02;   // of the whole gain, by what is left out
   constexpr double kBlurred = 0.5;  // of the gain there, by what the rest does not know
   const Eigen::VectorXd gain =
       smaller.at.fit.residuals.cwiseAbs2() - larger.at.fit.residuals.cwiseAbs2();
   const double whole = gain.sum();
-  for (const char* kind : {"protocols", "captures", "blocks"}) {
+  std::vector<const char*> kinds = {"protocols", "captures", "blocks"};
+  if (is_accident) kinds.push_back("frames");
+  for (const char* kind : kinds) {
     estimation::Folds folds = field_folds(data, larger.rows, kind);
     std::erase_if(folds.training, [&](const Eigen::VectorXd& training) {
       const Eigen::VectorXd left_out = Eigen::VectorXd::Ones(training.size()) - training;
@@ -130,7 +155,8 @@ FieldTrial refit_field(const Candidate& candidate, const FieldFit& base, const F
     return fit ? trial_of(std::move(*fit)) : FieldTrial{};
   };
   FieldTrial result = fitted_from(candidate.setting);
-  if (!result.trial.fit.usable || result.trial.fit.chi2 > base.at.fit.chi2 - 0.5 * candidate.gain) {
+  if (!result.trial.fit.usable ||
+      result.trial.fit.chi2 > base.at.fit.chi2 - 0.5 * candidate.within) {
     FieldTrial again = fitted_from(candidate.point);
     if (again.trial.fit.usable &&
         (!result.trial.fit.usable || again.trial.fit.chi2 < result.trial.fit.chi2))
@@ -154,17 +180,19 @@ void judge_field(FieldTrial& field, const FieldFit& before, const FieldData& dat
   const estimation::FitResult& earlier = before.at.fit;
   const double rows = std::max(trial.fit.effective_rows, earlier.effective_rows);
   const int added = std::max(1, trial.parameters - free_count(before.at.model));
-  trial.p_value = std::min(1.0, trial.variant.searched * f_test(earlier.chi2, trial.fit.chi2, added,
-                                                                trial.parameters, rows));
+  const std::vector<KindChi2> kinds = chi2_by_kind(before, field, data);
+  const KindChi2 all = in_noise_left(kinds);
+  trial.p_value = std::min(
+      1.0, trial.variant.searched * f_test(all.before, all.after, added, trial.parameters, rows));
   trial.explained = explained_share(earlier.chi2, trial.fit.chi2, expected_chi2);
   constexpr double kSmallest = 0.05;  // of the noise's power: what is smaller matters to nobody
-  if (share_of_noise(before, field, data) < kSmallest)
+  if (share_of_noise(kinds) < kSmallest)
     trial.objections.push_back("what it explains is far below the noise");
   if (trial.p_value >= 1e-3)
     trial.objections.push_back("an F test on independent rows gives it p = " +
                                std::to_string(trial.p_value));
   check_parameters(trial);
-  if (!trial.effect->in_every_run || !trial.objections.empty()) return;
+  if (!trial.objections.empty()) return;
   const std::string objection =
       held_out_objection(field, before, data, held_out, expected_chi2, options);
   if (!objection.empty()) trial.objections.push_back(objection);

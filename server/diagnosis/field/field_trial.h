@@ -26,7 +26,8 @@ struct HeldOutSheets {
 
 /// Fills p_value, the held-out scores and the objections. What is left out: the sheets that are
 /// held out where they speak for or against it; else protocols, captures or blocks in turn, the
-/// first kind of which two folds can judge.
+/// first kind of which two folds can judge. An accident, which happens once, may come so late that
+/// one block alone shows it: then frames.
 void judge_field(FieldTrial& trial, const FieldFit& before, const FieldData& data,
                  const HeldOutSheets& held_out, double expected_chi2,
                  const FieldFitOptions& options);
@@ -34,6 +35,6 @@ void judge_field(FieldTrial& trial, const FieldFit& before, const FieldData& dat
 /// The folds that can judge what `larger` adds: the rest determines it, and what is left out shows
 /// it. Fewer than two: empty.
 estimation::Folds telling_folds(const FieldFit& larger, const FieldFit& smaller,
-                                const FieldData& data);
+                                const FieldData& data, bool is_accident = false);
 
 }  // namespace tenter::diagnosis

@@ -18,6 +18,7 @@ struct Candidate {
   Setting setting;                  ///< grid point, then the amplitudes that the screen expects
   const Variant* source = nullptr;  ///< within the screen only: the variant with its grids
   double gain = 0.0;                ///< T
+  double within = 0.0;              ///< of it what a refit within the parameters' bounds can reach
   int df = 0;
   double ratio = 0.0;         ///< u over the threshold; above one it is no false alarm
   Eigen::VectorXd direction;  ///< what it would take from the residuals (whitened rows; of sheets

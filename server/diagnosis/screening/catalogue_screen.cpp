@@ -56,7 +56,7 @@ bool add_candidates(const Gathering& gathering, const ColumnSource& source,
     Eigen::MatrixXd z(columns.rows(), count);
     for (Eigen::Index c = 0; c < count; ++c)
       z.col(c) = columns.col(gathering.place(entry.columns[static_cast<std::size_t>(c)]));
-    auto tested = score_test(ground, std::move(z), entry.one_sided, &largest);
+    auto tested = score_test(ground, z, entry.least, &largest);
     if (!tested) continue;
     Candidate candidate;
     candidate.effect = entry.effect;
@@ -65,14 +65,15 @@ bool add_candidates(const Gathering& gathering, const ColumnSource& source,
     candidate.point = entry.setting;
     candidate.setting = entry.setting;
     candidate.gain = tested->gain;
+    candidate.within = tested->within;
     candidate.df = tested->df;
     candidate.ratio = tested->u;
     candidate.direction = std::move(tested->direction);
     if (options.keep_spaces) candidate.space = std::move(tested->space);
     for (std::size_t c = 0; c < entry.addresses.size(); ++c) {
-      double amplitude = entry.off[c] + tested->amplitudes[static_cast<Eigen::Index>(c)];
-      if (entry.one_sided[c]) amplitude = std::max(amplitude, 0.0);
-      candidate.setting.emplace_back(entry.addresses[c], amplitude);
+      const double change =
+          std::max(entry.least[c], tested->amplitudes[static_cast<Eigen::Index>(c)]);
+      candidate.setting.emplace_back(entry.addresses[c], entry.off[c] + change);
     }
     candidates.push_back(std::move(candidate));
   }

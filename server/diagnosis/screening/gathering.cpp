@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "server/estimation/least_squares/bounded_least_squares.h"
 #include "server/estimation/prediction.h"
 
 namespace tenter::diagnosis {
@@ -20,6 +21,11 @@ void apply(const Setting& setting, const std::string& id,
   for (const auto& [address, value] : setting)
     for (model::Parameter& p : parameters)
       if (address == id + "." + p.name) p.value = value;
+}
+
+/// The smallest change of a parameter from where its effect is off.
+double least_of(const model::Parameter& p, double off) {
+  return p.lower ? *p.lower - off : -estimation::kNoBound;
 }
 
 /// What tells one added term's column from another's.
@@ -57,15 +63,18 @@ void Gathering::add(const Effect& effect, const Variant& variant, const Setting&
       // it replaces
       for (model::Parameter& p : term.law.parameters) p.value = 0.0;
       add_term(term, setting, entry);
-      for (std::size_t k = first; k < entry.off.size(); ++k)
-        entry.off[k] = law.parameters[k - first].value;
+      for (std::size_t k = first; k < entry.off.size(); ++k) {
+        const model::Parameter& p = law.parameters[k - first];
+        entry.off[k] = p.value;
+        entry.least[k] = least_of(p, p.value);
+      }
       break;
     }
   }
   for (const std::string& address : variant.unfix) {
     entry.columns.push_back(-1 - base_index_.at(address));
     entry.addresses.push_back(address);
-    entry.one_sided.push_back(true);
+    entry.least.push_back(0.0);
     entry.off.push_back(0.0);
   }
   for (model::SensorCorrection correction : variant.corrections) {
@@ -77,7 +86,7 @@ void Gathering::add(const Effect& effect, const Variant& variant, const Setting&
       if (p.fixed || is_set(setting, address)) continue;
       entry.columns.push_back(correction_parameters_ + static_cast<int>(k) + kCorrectionBase);
       entry.addresses.push_back(address);
-      entry.one_sided.push_back(p.lower && *p.lower == p.value);
+      entry.least.push_back(least_of(p, p.value));
       entry.off.push_back(p.value);
     }
     correction_parameters_ += static_cast<int>(correction.parameters.size());
@@ -138,7 +147,7 @@ void Gathering::add_term(model::Term term, const Setting& setting, Columns& entr
     if (p.fixed || is_set(setting, address)) continue;
     entry.columns.push_back(found->second + static_cast<int>(k));
     entry.addresses.push_back(address);
-    entry.one_sided.push_back(p.lower && *p.lower == 0.0);
+    entry.least.push_back(least_of(p, p.value));
     entry.off.push_back(p.value);
   }
 }

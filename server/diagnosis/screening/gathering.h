@@ -26,8 +26,8 @@ struct Columns {
   Setting setting;
   std::vector<int> columns;            ///< for Gathering::place
   std::vector<std::string> addresses;  ///< "term.parameter" of each column in the extended model
-  std::vector<bool> one_sided;
-  std::vector<double> off;  ///< value of each parameter when the effect is off
+  std::vector<double> least;  ///< smallest change of each from where it is off, or minus infinity
+  std::vector<double> off;    ///< value of each parameter when the effect is off
 };
 
 class Gathering {

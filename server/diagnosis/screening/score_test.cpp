@@ -4,7 +4,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <utility>
+
+#include "server/estimation/least_squares/bounded_least_squares.h"
 
 namespace tenter::diagnosis {
 
@@ -14,6 +15,32 @@ double statistic(const Eigen::VectorXd& components, bool positive) {
   if (positive)
     return components[0] < 0.0 ? components.squaredNorm() : 0.0;  // less residual, not more
   return components.squaredNorm();
+}
+
+/// Amplitudes that may be, and the fall of chi2 that they bring; those of `free` where these may.
+///
+/// A column that adds nothing of its own (zero in `free`) stays where it is off.
+double bounded(const Eigen::MatrixXd& columns, const Eigen::VectorXd& components,
+               const std::vector<double>& least, Eigen::VectorXd& free) {
+  const auto count = static_cast<Eigen::Index>(least.size());
+  bool is_within = true;
+  for (Eigen::Index c = 0; c < count; ++c)
+    is_within = is_within && free[c] >= least[static_cast<std::size_t>(c)];
+  if (is_within) return components.squaredNorm();
+  Eigen::VectorXd lower(count);
+  Eigen::VectorXd upper(count);
+  Eigen::VectorXd norms(count);
+  for (Eigen::Index c = 0; c < count; ++c) {
+    const bool moves = free[c] != 0.0;
+    norms[c] = std::max(columns.col(c).norm(), 1e-300);
+    lower[c] = moves ? least[static_cast<std::size_t>(c)] * norms[c] : 0.0;
+    upper[c] = moves ? estimation::kNoBound : 0.0;
+  }
+  estimation::BoundedLeastSquares problem(static_cast<int>(count));
+  problem.add(columns * norms.cwiseInverse().asDiagonal(), -components);
+  const estimation::BoundedSolution best = problem.solve(lower, upper);
+  free = best.x.cwiseQuotient(norms);
+  return std::max(0.0, components.squaredNorm() - best.residual * best.residual);
 }
 
 }  // namespace
@@ -41,7 +68,7 @@ void settle(Ground& ground) {
   ground.left = (ground.left - ground.own * (ground.own.transpose() * ground.left)).eval();
 }
 
-Projected project(Eigen::MatrixXd z, const std::vector<bool>& one_sided, const Eigen::MatrixXd& own,
+Projected project(Eigen::MatrixXd z, const std::vector<double>& least, const Eigen::MatrixXd& own,
                   const Eigen::VectorXd& residuals) {
   constexpr double kHidden = 1e-4;  // share of a column that must be new for it to count
   const Eigen::Index count = z.cols();
@@ -67,7 +94,7 @@ Projected project(Eigen::MatrixXd z, const std::vector<bool>& one_sided, const E
       const Eigen::Index c = qr.colsPermutation().indices()[k];
       result.amplitudes[c] = x[k] / norms[c];
     }
-    if (count == 1 && one_sided[0]) {
+    if (count == 1 && least[0] == 0.0) {
       result.positive = true;
       if (result.basis.col(0).dot(z.col(0)) < 0.0) result.basis.col(0) *= -1.0;
     }
@@ -75,10 +102,10 @@ Projected project(Eigen::MatrixXd z, const std::vector<bool>& one_sided, const E
   return result;
 }
 
-std::optional<Tested> score_test(const Ground& ground, Eigen::MatrixXd z,
-                                 const std::vector<bool>& one_sided, std::vector<double>* largest) {
+std::optional<Tested> score_test(const Ground& ground, const Eigen::MatrixXd& z,
+                                 const std::vector<double>& least, std::vector<double>* largest) {
   const auto count = static_cast<std::size_t>(ground.twins.cols());
-  Projected p = project(std::move(z), one_sided, ground.own, ground.left);
+  Projected p = project(z, least, ground.own, ground.left);
   if (p.basis.cols() == 0) return std::nullopt;
   const Eigen::VectorXd components = p.basis.transpose() * ground.left;
   const Eigen::MatrixXd twin_components = p.basis.transpose() * ground.twins;
@@ -93,6 +120,8 @@ std::optional<Tested> score_test(const Ground& ground, Eigen::MatrixXd z,
   score.gain = statistic(components, p.positive);
   score.df = static_cast<int>(p.basis.cols());
   score.u = score.gain / scale;
+  score.within =
+      std::min(score.gain, bounded(p.basis.transpose() * z, components, least, p.amplitudes));
   score.direction = p.basis * components;
   score.amplitudes = std::move(p.amplitudes);
   score.space = std::move(p.basis);

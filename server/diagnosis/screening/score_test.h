@@ -6,10 +6,12 @@
 //   P = I - J (J'J)^-1 J'      T = r'P Z (Z'P Z)^-1 Z'P r       the expected fall of chi2
 //   u = T / 95th percentile of T over null twins                (design, steps 4 and 5)
 //
-// Amplitudes that must not be negative are tested one-sided where there is one of them.
+// An amplitude that must not be negative is tested one-sided where there is one of them. Of several
+// T is that of all their space, and `within` is what bounds leave of it: the fall of chi2 that a
+// refit can reach.
 //
 //   Ground ground{range_basis(own), twins, residuals};          // see settle()
-//   if (auto score = score_test(ground, z, one_sided)) ... score->gain, score->u
+//   if (auto score = score_test(ground, z, least)) ... score->gain, score->u
 //
 // Numbers in, numbers out: of curves and sheets alike. Rows may be any orthonormal coordinates of
 // the space that J, Z and r span: then null twins are drawn there. One thread; cost is a QR of Z
@@ -44,22 +46,24 @@ struct Projected {
   bool positive =
       false;  ///< one column whose amplitude must not be negative; the basis points to more of it
 };
-/// `z` is worked on. No columns where all hide in the model's own.
-Projected project(Eigen::MatrixXd z, const std::vector<bool>& one_sided, const Eigen::MatrixXd& own,
+/// `z` is worked on. No columns where all hide in the model's own. `least`: the smallest amplitude
+/// of each column that may be; minus infinity: any.
+Projected project(Eigen::MatrixXd z, const std::vector<double>& least, const Eigen::MatrixXd& own,
                   const Eigen::VectorXd& residuals);
 
 struct Tested {
-  double gain = 0.0;  ///< T
+  double gain = 0.0;    ///< T
+  double within = 0.0;  ///< of it with no amplitude below its least
   int df = 0;
   double u = 0.0;
   Eigen::VectorXd direction;   ///< what it would take from the residuals
-  Eigen::VectorXd amplitudes;  ///< of the columns, from where they are off
+  Eigen::VectorXd amplitudes;  ///< of the columns, from where they are off; none below its least
   Eigen::MatrixXd space;       ///< orthonormal basis of what the columns add to the own ones
 };
 /// None where the columns hide in the model's own. `largest`, where given, collects each twin's
 /// largest u.
-std::optional<Tested> score_test(const Ground& ground, Eigen::MatrixXd z,
-                                 const std::vector<bool>& one_sided,
+std::optional<Tested> score_test(const Ground& ground, const Eigen::MatrixXd& z,
+                                 const std::vector<double>& least,
                                  std::vector<double>* largest = nullptr);
 
 /// Largest canonical correlation of two spaces, each given by an orthonormal basis: from 0 to 1.

@@ -15,7 +15,7 @@ std::vector<Candidate> shortlist(const Screen& screen, const estimation::FitResu
   std::vector<std::pair<double, const Candidate*>> order;
   for (const Candidate& c : screen.candidates) {
     if (c.ratio <= 1.0) continue;
-    const double left = std::max(fit.chi2 - c.gain, 1e-3 * fit.chi2);
+    const double left = std::max(fit.chi2 - c.within, 1e-3 * fit.chi2);
     order.emplace_back(information(left, c.df, 0, fit.effective_rows), &c);
   }
   std::stable_sort(order.begin(), order.end(),

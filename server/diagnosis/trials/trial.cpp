@@ -58,7 +58,7 @@ Trial refit(const Candidate& candidate, const Reference& base, const DataPointer
   trial.fit = estimation::fit(*evaluator, trial.model, options);
   // where the expected amplitudes led too far (a free direction bends the way there), once more
   // from "off"
-  if (!trial.fit.usable || trial.fit.chi2 > base.fit.chi2 - 0.5 * candidate.gain) {
+  if (!trial.fit.usable || trial.fit.chi2 > base.fit.chi2 - 0.5 * candidate.within) {
     model::Model off = extend(base.model, candidate.variant, candidate.point, candidate.effect->id);
     estimation::adapt_spline_ranges(off, data->curves);
     estimation::FitResult again = estimation::fit(*evaluator, off, options);

@@ -115,7 +115,9 @@ estimation::Folds field_folds(const FieldData& data, const std::vector<estimatio
     const auto s = static_cast<std::size_t>(row.curve);
     const std::string key = kind == "protocols"  ? data.protocols[s]
                             : kind == "captures" ? std::to_string(s)
-                                                 : "block " + std::to_string(row.block);
+                            : kind == "blocks"
+                                ? "block " + std::to_string(row.block)
+                                : std::to_string(s) + ", frame " + std::to_string(row.frame);
     label_of.push_back(labels.emplace(key, static_cast<int>(labels.size())).first->second);
   }
   constexpr int kMostFolds = 6;  // each is a fit of whole sheets

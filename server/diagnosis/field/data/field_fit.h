@@ -64,7 +64,7 @@ estimation::HeldOut cross_validate_field(const FieldFit& at, const FieldData& da
                                          const estimation::Folds& folds,
                                          const FieldFitOptions& options);
 
-/// Members of each fold: "protocols" (three at least), "captures", "blocks".
+/// Members of each fold: "protocols" (three at least), "captures", "blocks", "frames".
 estimation::Folds field_folds(const FieldData& data, const std::vector<estimation::Row>& rows,
                               const std::string& kind);
 

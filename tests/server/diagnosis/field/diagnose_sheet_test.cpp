@@ -112,6 +112,28 @@ TEST(DiagnoseSheet, NamesAnisotropyWithTheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(in_lines(d.verdicts), in_lines(again.verdicts));
 }
 
+/// The warp is softer than the rest: no stiffness that is added along one direction says that, and
+/// none may be taken away.
+TEST(DiagnoseSheet, NamesAnisotropyOfOneDirectionThatIsSofter) {
+  model::Model isotropic = model::preset("stvk_isotropic").value();
+  const model::Model cloth = compliant_cloth();
+  for (std::size_t t = 3; t < cloth.terms.size(); ++t) isotropic.terms.push_back(cloth.terms[t]);
+  SheetTruth truth{.model = isotropic, .frames = 10};
+  const auto add = [&](const char* measure, double k) {
+    truth.model.terms.push_back(new_term(truth.model, "own", measure, 0.0, "linear"));
+    set_parameter(truth.model.terms.back().law, "k", k);
+  };
+  add("green_u", 8.0);
+  add("green_uv", 4.0);
+  truth.model.terms[0].law.parameters[0].value = 30.0;
+  truth.model.terms[1].law.parameters[0].value = 21.0;
+  const SheetDiagnosis d = diagnosed(sheets_of(truth, isotropic));
+  EXPECT_EQ(first(d).kind, VerdictKind::named) << in_lines(d);
+  EXPECT_EQ(first(d).effect, "anisotropy") << in_lines(d);
+  ASSERT_EQ(d.findings.size(), 1U);
+  EXPECT_EQ(d.findings[0].trial.variant.words, "an own stiffness along weft and shear");
+}
+
 /// One of two cells that pull on the same cloth shows 20 mN too much.
 TEST(DiagnoseSheet, BlamesALoadCellForItsZero) {
   const SheetTruth truth{

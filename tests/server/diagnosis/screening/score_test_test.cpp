@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 
 #include "server/diagnosis/field/screen/coordinates.h"
 #include "server/diagnosis/screening/normal.h"
@@ -20,6 +21,8 @@ Eigen::MatrixXd random_matrix(Eigen::Index rows, Eigen::Index columns, unsigned 
 }
 
 constexpr Eigen::Index kRows = 120;
+constexpr double kNoLeast = std::numeric_limits<double>::infinity();
+const std::vector<double> kAnyAmplitudes = {-kNoLeast, -kNoLeast};
 
 struct Case {
   Eigen::MatrixXd own = random_matrix(kRows, 3, 1);
@@ -37,7 +40,7 @@ struct Case {
 
 TEST(ScoreTest, GainIsTheFallOfALeastSquaresFit) {
   const Case c({3.0, -2.0});
-  const auto tested = score_test(c.ground, c.z, {false, false});
+  const auto tested = score_test(c.ground, c.z, kAnyAmplitudes);
   ASSERT_TRUE(tested);
   EXPECT_EQ(tested->df, 2);
   Eigen::MatrixXd all(kRows, 5);
@@ -55,7 +58,7 @@ TEST(ScoreTest, GainIsTheFallOfALeastSquaresFit) {
 TEST(ScoreTest, AnAmplitudeThatCannotBeNegativeIsTestedOnOneSide) {
   for (const double amplitude : {3.0, -3.0}) {
     const Case c({amplitude, 0.0});
-    const auto tested = score_test(c.ground, c.z.leftCols(1), {true});
+    const auto tested = score_test(c.ground, c.z.leftCols(1), {0.0});
     ASSERT_TRUE(tested);
     if (amplitude > 0.0)
       EXPECT_GT(tested->gain, 100.0);
@@ -64,9 +67,30 @@ TEST(ScoreTest, AnAmplitudeThatCannotBeNegativeIsTestedOnOneSide) {
   }
 }
 
+/// The second amplitude would be -2. Where it may not be negative the first column is left alone,
+/// where it may be -1 something between.
+TEST(ScoreTest, BoundsLeaveOfAGainWhatARefitCanReach) {
+  const Case c({3.0, -2.0});
+  const auto free = score_test(c.ground, c.z, {0.0, -kNoLeast});
+  const auto bounded = score_test(c.ground, c.z, {0.0, 0.0});
+  const auto partly = score_test(c.ground, c.z, {0.0, -1.0});
+  const auto alone = score_test(c.ground, c.z.leftCols(1), {0.0});
+  ASSERT_TRUE(free && bounded && partly && alone);
+  EXPECT_EQ(free->within, free->gain);
+  EXPECT_EQ(bounded->gain, free->gain);
+  EXPECT_EQ(bounded->u, free->u);
+  ASSERT_LT(alone->gain, 0.9 * free->gain);
+  EXPECT_NEAR(bounded->within, alone->gain, 1e-9 * alone->gain);
+  EXPECT_NEAR(bounded->amplitudes[0], alone->amplitudes[0], 1e-9);
+  EXPECT_EQ(bounded->amplitudes[1], 0.0);
+  EXPECT_GT(partly->within, bounded->within);
+  EXPECT_LT(partly->within, free->within);
+  EXPECT_NEAR(partly->amplitudes[1], -1.0, 1e-12);
+}
+
 TEST(ScoreTest, WhatTheModelHasIsNoCandidate) {
   const Case c({1.0, 1.0});
-  EXPECT_FALSE(score_test(c.ground, c.own * random_matrix(3, 2, 9), {false, false}));
+  EXPECT_FALSE(score_test(c.ground, c.own * random_matrix(3, 2, 9), kAnyAmplitudes));
 }
 
 TEST(ScoreTest, SpacesThatShareADirectionCorrelateWhollyOthersDoNot) {
@@ -95,8 +119,8 @@ TEST(Coordinates, KeepEveryNumberOfAScoreTest) {
   ground.left = r.col(5);
   ground.twins = random_matrix(6, 4000, 7);
   settle(ground);
-  const auto small = score_test(ground, r.middleCols(3, 2), {false, false});
-  const auto whole = score_test(c.ground, c.z, {false, false});
+  const auto small = score_test(ground, r.middleCols(3, 2), kAnyAmplitudes);
+  const auto whole = score_test(c.ground, c.z, kAnyAmplitudes);
   ASSERT_TRUE(small && whole);
   EXPECT_NEAR(small->gain, whole->gain, 1e-9 * whole->gain);
   EXPECT_LT((small->amplitudes - whole->amplitudes).norm(), 1e-9);

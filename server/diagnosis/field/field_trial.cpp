@@ -69,6 +69,43 @@ KindChi2 in_noise_left(const std::vector<KindChi2>& kinds) {
   return sum;
 }
 
+/// An accident's reading, beside the frame where it is said to be; the objection, or nothing.
+std::string accident_objection(const FieldTrial& field, const FieldFit& before,
+                               const FieldData& data) {
+  const Trial& trial = field.trial;
+  for (const model::SensorCorrection& c : trial.model.corrections) {
+    const bool is_added =
+        std::any_of(trial.variant.corrections.begin(), trial.variant.corrections.end(),
+                    [&](const auto& added) { return added.id == c.id; });
+    if (!is_added || c.type != "clip_slip") continue;
+    Step step;
+    std::vector<double> said_before, said_after;
+    double left = 0.0;
+    for (std::size_t r = 0; r < before.rows.size(); ++r) {
+      const estimation::Row& row = before.rows[r];
+      const estimation::Sequence& sequence = data.sequences[static_cast<std::size_t>(row.curve)];
+      const int force = row.channel - 3 * static_cast<int>(sequence.points.size());
+      if (sequence.name != c.capture || force < 0 ||
+          force >= static_cast<int>(sequence.forces.size()) ||
+          sequence.forces[static_cast<std::size_t>(force)].name != c.component)
+        continue;
+      const double was = before.at.fit.residuals[static_cast<Eigen::Index>(r)];
+      const double is = trial.fit.residuals[static_cast<Eigen::Index>(r)];
+      const bool is_early = row.frame < c.parameters[1].value;
+      (is_early ? step.before : step.after).push_back(was);
+      (is_early ? said_before : said_after).push_back(was - is);
+      left += is * is;
+    }
+    const auto count = static_cast<double>(step.before.size() + step.after.size());
+    // a reading scatters by what is stated or by what is left of it, if that is more
+    step.sigma = std::sqrt(std::max(1.0, left / std::max(1.0, count)));
+    step.size = jump_of(said_before, said_after);
+    std::string objection = step_objection(step);
+    if (!objection.empty()) return objection;
+  }
+  return "";
+}
+
 /// Expected square by which a fit to the rest errs on what is left out, tr(J_o (J_t'J_t)^-1 J_o')
 /// in noises of the size that the fit leaves; infinite where the rest does not determine it.
 double blur(const estimation::FitResult& fit, const Eigen::VectorXd& training) {
@@ -192,6 +229,10 @@ void judge_field(FieldTrial& field, const FieldFit& before, const FieldData& dat
     trial.objections.push_back("an F test on independent rows gives it p = " +
                                std::to_string(trial.p_value));
   check_parameters(trial);
+  if (!trial.effect->in_every_run) {
+    const std::string objection = accident_objection(field, before, data);
+    if (!objection.empty()) trial.objections.push_back(objection);
+  }
   if (!trial.objections.empty()) return;
   const std::string objection =
       held_out_objection(field, before, data, held_out, expected_chi2, options);

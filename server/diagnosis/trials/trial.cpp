@@ -157,51 +157,57 @@ void check_parameters(Trial& trial) {
   }
 }
 
+double jump_of(const std::vector<double>& before, const std::vector<double>& after) {
+  constexpr std::size_t kFrames = 5;
+  // medians: one misread sample beside the place is no step
+  const auto middle = [](std::vector<double> x) {
+    std::nth_element(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2), x.end());
+    return x[x.size() / 2];
+  };
+  if (before.empty() || after.empty()) return 0.0;
+  const auto early = static_cast<std::ptrdiff_t>(std::min(kFrames, before.size()));
+  const auto late = static_cast<std::ptrdiff_t>(std::min(kFrames, after.size()));
+  return middle({after.begin(), after.begin() + late}) -
+         middle({before.end() - early, before.end()});
+}
+
+std::string step_objection(const Step& step) {
+  constexpr std::size_t kFewest = 3;
+  constexpr double kSigmas = 2.5;
+  if (step.before.size() < kFewest || step.after.size() < kFewest)
+    return "the step is at the end of a run";
+  const double jump = jump_of(step.before, step.after);
+  if (!(jump * step.size > 0.0) || std::abs(jump) < 0.5 * std::abs(step.size) ||
+      std::abs(jump) < kSigmas * step.sigma)
+    return "the residuals do not jump where the step should be";
+  return "";
+}
+
 namespace {
 
-/// An accident is an event: within a few frames of the place where it is said to be, the residuals
-/// must jump by what the fit says it was. A smooth misfit of one run does not.
+/// The residuals of an accident in a curve, in stresses, beside the frame where it is said to be.
 void check_step(Trial& trial, const Reference& before, const std::vector<estimation::Row>& rows) {
-  constexpr std::size_t kFrames = 5;
   for (const model::SensorCorrection& c : trial.variant.corrections) {
     const model::SensorCorrection* fitted = nullptr;
     for (const model::SensorCorrection& f : trial.model.corrections)
       if (f.id == c.id) fitted = &f;
     if (!fitted || c.type != "clip_slip") continue;
     const int at = static_cast<int>(fitted->parameters[1].value);
-    std::vector<double> early;
-    std::vector<double> late;
-    double sigma = 1.0;
+    Step step;
+    step.size = fitted->parameters[0].value;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const auto& curves = trial.data->curves[static_cast<std::size_t>(rows[r].curve)];
       const auto& channel = curves.channels[static_cast<std::size_t>(rows[r].channel)];
       if (curves.id != c.capture || !channel.is_stress ||
           estimation::component_name(channel.component) != c.component)
         continue;
-      sigma = trial.data->sigma_of(rows[r]);
-      const double x = -before.fit.residuals[static_cast<Eigen::Index>(r)] * sigma;
+      step.sigma = trial.data->sigma_of(rows[r]);
+      const double x = -before.fit.residuals[static_cast<Eigen::Index>(r)] * step.sigma;
       const int origin = curves.origin[static_cast<std::size_t>(rows[r].frame)];
-      if (origin < at) {
-        early.push_back(x);
-        if (early.size() > kFrames) early.erase(early.begin());
-      } else if (late.size() < kFrames) {
-        late.push_back(x);
-      }
+      (origin < at ? step.before : step.after).push_back(x);
     }
-    if (early.size() < 3 || late.size() < 3) {
-      trial.objections.push_back("the step is at the end of a run");
-      return;
-    }
-    // medians: one misread sample beside the place is no step
-    const auto middle = [](std::vector<double> x) {
-      std::nth_element(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2), x.end());
-      return x[x.size() / 2];
-    };
-    const double jump = middle(late) - middle(early);
-    const double step = fitted->parameters[0].value;
-    if (!(jump * step > 0.0) || std::abs(jump) < 0.5 * std::abs(step) ||
-        std::abs(jump) < 2.5 * sigma)
-      trial.objections.push_back("the residuals do not jump where the step should be");
+    const std::string objection = step_objection(step);
+    if (!objection.empty()) trial.objections.push_back(objection);
   }
 }
 

@@ -64,6 +64,21 @@ void judge(Trial& trial, const Reference& before, const DataPointer& data, doubl
 /// Is each part that the variant added alive and known to better than a half? Adds objections.
 void check_parameters(Trial& trial);
 
+/// What a reading missed, frame after frame, before and after a step that it is said to have.
+struct Step {
+  std::vector<double> before, after;
+  double size = 0.0;   ///< by which it is said to jump
+  double sigma = 1.0;  ///< of a reading
+};
+
+/// From the last few to the first few of them.
+double jump_of(const std::vector<double>& before, const std::vector<double>& after);
+
+/// An accident is an event: within a few frames of its place readings jump by what the fit says it
+/// was, and further than they scatter. A smooth misfit of one run does not. The objection, or
+/// nothing.
+std::string step_objection(const Step& step);
+
 /// Fills the scores of the trial on left-out data from both models' residuals there; the objection
 /// to it, or nothing.
 std::string compare_held_out(Trial& trial, const estimation::HeldOut& earlier,

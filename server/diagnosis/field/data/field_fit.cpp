@@ -52,6 +52,22 @@ void count_independent(const FieldData& data, const std::vector<estimation::Row>
   fit.std_error *= std::sqrt(before / std::max(1.0, fit.effective_rows - moving));
 }
 
+/// Without the faults of captures and of channels that are not among the data: they do nothing
+/// here.
+model::Model acting_on(model::Model model, const FieldData& data) {
+  std::erase_if(model.corrections, [&](const model::SensorCorrection& c) {
+    return std::none_of(
+        data.sequences.begin(), data.sequences.end(), [&](const estimation::Sequence& sequence) {
+          const bool has_force =
+              c.component.empty() ||
+              std::any_of(sequence.forces.begin(), sequence.forces.end(),
+                          [&](const auto& force) { return force.name == c.component; });
+          return has_force && (c.capture.empty() || c.capture == sequence.name);
+        });
+  });
+  return model;
+}
+
 }  // namespace
 
 int FieldData::block_count() const {
@@ -86,10 +102,11 @@ Expected<FieldFit> fit_field(const model::Model& start, const FieldData& data,
 
 Expected<FieldFit> predict_field(const model::Model& model, const FieldData& data,
                                  const FieldStates& starts, const FieldFitOptions& options) {
-  model::Model held = model;
+  const model::Model acting = acting_on(model, data);
+  model::Model held = acting;
   for (model::Parameter* p : estimation::parameters_of(held)) p->fixed = true;
   auto result = fit_field(held, data, starts, options);
-  if (result) result->at.model = model;
+  if (result) result->at.model = acting;
   return result;
 }
 

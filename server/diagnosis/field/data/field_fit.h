@@ -55,7 +55,8 @@ struct FieldFitOptions {
 Expected<FieldFit> fit_field(const model::Model& start, const FieldData& data,
                              const FieldStates& starts, const FieldFitOptions& options);
 
-/// The model as it is: nothing is fitted.
+/// The model as it is: nothing is fitted. Sensor corrections of captures or channels that the data
+/// lack are left out of it.
 Expected<FieldFit> predict_field(const model::Model& model, const FieldData& data,
                                  const FieldStates& starts, const FieldFitOptions& options);
 

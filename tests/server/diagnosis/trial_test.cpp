@@ -60,5 +60,25 @@ TEST(ExplainedShare, IsOfWhatLiesAboveTheNoise) {
   EXPECT_NEAR(explained_share(200.0, 200.0, 100.0), 0.0, 1e-12);
 }
 
+/// A step of three in readings that scatter by one, here and there with a misread one beside it.
+TEST(StepObjection, IsNoneWhereReadingsJump) {
+  const std::vector<double> low = {0.4, -0.7, 0.9, -0.2, 9.0, 0.1};
+  const std::vector<double> high = {3.3, 2.4, -9.0, 3.8, 2.9, 3.1};
+  EXPECT_NEAR(jump_of(low, high), 2.8, 1e-12);
+  EXPECT_EQ(step_objection({low, high, 3.0, 1.0}), "");
+  EXPECT_EQ(step_objection({high, low, -3.0, 1.0}), "");
+}
+
+TEST(StepObjection, NamesWhatIsMissing) {
+  const std::vector<double> low = {0.4, -0.7, 0.9, -0.2, 0.3, 0.1};
+  const std::vector<double> high = {3.3, 2.4, 2.2, 3.8, 2.9, 3.1};
+  const std::vector<double> ramp = {0.0, 0.1, 0.2, 0.3, 0.4, 0.5};
+  EXPECT_NE(step_objection({low, high, -3.0, 1.0}), "");  // the other way
+  EXPECT_NE(step_objection({low, high, 8.0, 1.0}), "");   // not half as far as is said
+  EXPECT_NE(step_objection({low, high, 3.0, 1.5}), "");   // no further than readings scatter
+  EXPECT_NE(step_objection({ramp, ramp, 3.0, 0.1}), "");
+  EXPECT_NE(step_objection({low, {high[0], high[1]}, 3.0, 1.0}), "");
+}
+
 }  // namespace
 }  // namespace tenter::diagnosis

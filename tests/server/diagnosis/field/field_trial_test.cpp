@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Gates of one candidate on sheets: evidence is in the noise that is left, and accidents are asked
+// too.
+#include "server/diagnosis/field/field_trial.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/server/diagnosis/field/sheet_of.h"
+
+namespace tenter::diagnosis {
+namespace {
+
+using testing::compliant_cloth;
+using testing::diagnosed;
+using testing::first;
+using testing::in_lines;
+using testing::sheets_of;
+using testing::SheetTruth;
+
+FieldData data_of(const SheetRequest& request) {
+  FieldData data;
+  for (const SheetSequence& s : request.sequences) {
+    data.sequences.push_back(s.sequence);
+    data.ids.push_back(s.id);
+    data.protocols.push_back(s.title);
+    data.has_clock.push_back(false);
+    for (auto& frame : data.sequences.back().frames) frame.duration_s = 1.0;
+  }
+  return data;
+}
+
+/// Forces scatter eight times as far as is stated: what an offset of one takes off them is strong
+/// evidence by what is stated, and none by what is left.
+TEST(FieldTrial, ForcesThatScatterFurtherThanStatedAreNoEvidence) {
+  const SheetTruth truth{
+      .model = compliant_cloth(), .protocols = {"stretch_u"}, .frames = 12, .load_cells = 2.0};
+  FieldData data = data_of(sheets_of(truth, compliant_cloth()));
+  for (auto& force : data.sequences.front().forces) force.sigma_N /= 8.0;
+  model::Model model = compliant_cloth();
+  for (const std::size_t t : {1, 2, 3, 4, 5}) model.terms[t].law.parameters[0].fixed = true;
+  const auto plain = fit_field(model, data, {}, {});
+  ASSERT_TRUE(plain) << plain.error().message;
+  Candidate offset;
+  offset.effect = find_effect("load_cell_offset");
+  offset.variant.corrections.push_back(
+      new_sheet_correction(model, "offset", data.sequences.front().forces[1].name, ""));
+  FieldTrial trial = refit_field(offset, *plain, data, {});
+  ASSERT_TRUE(trial.trial.fit.usable);
+  ASSERT_LT(f_test(plain->at.fit.chi2, trial.trial.fit.chi2, 1, trial.trial.parameters,
+                   plain->at.fit.effective_rows),
+            1e-3);
+  judge_field(trial, *plain, data, {}, static_cast<double>(plain->rows.size()), {});
+  EXPECT_GT(trial.trial.p_value, 1e-2);
+  EXPECT_FALSE(trial.trial.objections.empty());
+}
+
+/// A third of a millimetre, in one capture of two: named, asked on what was left out, and no
+/// hindrance to what a third capture is foretold.
+TEST(FieldTrial, AStepIsAnAccident) {
+  SheetTruth truth{.model = compliant_cloth(), .frames = 12};
+  truth.otherwise = [](estimation::Sequence& sequence) {
+    if (sequence.name != "stretch_u") return;
+    const auto clip = static_cast<std::size_t>(sequence.forces[1].clip);
+    for (std::size_t f = 7; f < sequence.frames.size(); ++f)
+      sequence.frames[f].clips[clip].position_m.x() -= 3e-4;
+  };
+  SheetRequest request = sheets_of(truth, compliant_cloth());
+  request.sequences.back().held_out = true;
+  const SheetDiagnosis d = diagnosed(request);
+  EXPECT_EQ(first(d).kind, VerdictKind::sensor) << in_lines(d);
+  EXPECT_EQ(first(d).effect, "clip_slip") << in_lines(d);
+  ASSERT_EQ(d.findings.size(), 1U) << in_lines(d);
+  const Trial& trial = d.findings[0].trial;
+  EXPECT_FALSE(trial.folds.empty());
+  EXPECT_GT(trial.held_out_before - trial.held_out_after, trial.held_out_error);
+  EXPECT_EQ(trial.model.corrections.back().parameters[1].value, 7.0);
+  EXPECT_TRUE(d.held_out_after) << in_lines(d);
+  EXPECT_FALSE(d.held_out_extended.rows.empty()) << in_lines(d);
+}
+
+}  // namespace
+}  // namespace tenter::diagnosis

@@ -193,9 +193,10 @@ FitResult fit(ResidualFunction& evaluator, const model::Model& start, const FitO
     const int before = result.iterations;
     result = fit_in_box(bounded, from, options);
     result.iterations += before;
+    if (!result.usable) return result;  // no parameters where the start cannot be evaluated
     const std::vector<FrictionPlaces> beyond = bounded.beyond(result.parameters);
     result.parameters = bounded.bounded(result.parameters);
-    if (!result.usable || beyond.empty()) return result;
+    if (beyond.empty()) return result;
     for (const FrictionPlaces& at : beyond) {
       result.states[static_cast<std::size_t>(at.b)] = ParameterState::at_bound;
       result.std_error[at.b] = 0.0;

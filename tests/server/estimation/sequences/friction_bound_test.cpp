@@ -91,5 +91,34 @@ TEST(FrictionBound, AFitEndsAtItOrAsIfItWereNotThere) {
   EXPECT_EQ(tied.states[kB], ParameterState::at_bound);
 }
 
+/// Comes to rest with no parameters whatever.
+class Restless final : public ResidualFunction {
+ public:
+  explicit Restless(ResidualFunction& inner) : inner_(inner) {}
+  int parameter_count() const override { return inner_.parameter_count(); }
+  const std::vector<Row>& rows() const override { return inner_.rows(); }
+  [[nodiscard]] mechanics::PathStatus evaluate(const Eigen::VectorXd&, Eigen::VectorXd&,
+                                               RowMatrix*) override {
+    return mechanics::PathStatus::no_equilibrium;
+  }
+
+ private:
+  ResidualFunction& inner_;
+};
+
+TEST(FrictionBound, AFitThatCannotStartSaysSo) {
+  const model::Model model = rubbing_cloth(rubbing_values());
+  Sequence sequence = picture_frame(5);
+  measure(sequence, model, rubbing_values(), 1.0, 5);
+  auto evaluator = SequenceEvaluator::make(model, {sequence}).value();
+  Restless restless(evaluator);
+  FitOptions options;
+  options.friction = friction_places(model);
+  ASSERT_EQ(options.friction.size(), 1U);
+  const FitResult found = fit(restless, model, options);
+  EXPECT_FALSE(found.usable);
+  EXPECT_FALSE(found.message.empty());
+}
+
 }  // namespace
 }  // namespace tenter::estimation

@@ -128,6 +128,18 @@ void add_look_alikes(const Screen& screen, const Chain& chain, FieldFinding& fin
   }
 }
 
+/// Laws are written otherwise than cloth behaves: what is a fifth as large as the effects that are
+/// in may be what their form misses.
+bool is_form_of_what_is_in(const Trial& trial, const Chain& chain) {
+  constexpr double kForm = 0.2;
+  const bool is_more_of_one =
+      std::any_of(chain.accepted.begin(), chain.accepted.end(),
+                  [&](const FieldFinding& f) { return f.trial.effect == trial.effect; });
+  if (chain.accepted.empty() || is_more_of_one) return false;
+  const double now = chain.current.at.fit.chi2;
+  return now - trial.fit.chi2 < kForm * kForm * (chain.d.baseline.at.fit.chi2 - now);
+}
+
 /// Forward: one effect at a time, the best that passes, until none does.
 Expected<void> go_forward(Chain& chain) {
   SheetDiagnosis& d = chain.d;
@@ -156,6 +168,8 @@ Expected<void> go_forward(Chain& chain) {
                             trial.fit.chi2, fraction + 0.06});
       judge_field(trials[i], chain.current, d.data, chain.held_out_sheets(), found->expected_chi2,
                   field_options(chain.control));
+      if (is_form_of_what_is_in(trial, chain))
+        trial.objections.push_back("it is no more than the form of what was found may miss");
       if (trial.objections.empty()) {
         chosen = i;
         continue;

@@ -19,9 +19,25 @@ void add_once(std::vector<std::string>& list, const std::string& id) {
   if (std::find(list.begin(), list.end(), id) == list.end()) list.push_back(id);
 }
 
+/// How many rows tell of what was found: the mean of their logarithm over positions and all else,
+/// by what is explained of each. Ten thousand positions say nothing of an effect that forces show.
+double telling_rows(const SheetDiagnosis& d, const std::vector<const FieldFinding*>& findings) {
+  double gain = 0.0, sum = 0.0;
+  for (const FieldFinding* f : findings) {
+    const Misfit after = misfit_of(d.data.sequences, d.extended.rows, f->trial.fit.residuals);
+    for (const std::size_t k : {0UL, 1UL}) {
+      const double own = std::max(0.0, f->before.chi2[k] - after.chi2[k]);
+      gain += own;
+      sum += own * std::log(std::max(1.0, after.rows[k]));
+    }
+  }
+  return gain > 0.0 ? std::min(std::exp(sum / gain), d.extended.at.fit.effective_rows) : 0.0;
+}
+
 /// Rivals that do as well in the extended model as the effect does.
 std::vector<std::string> equals_of(const SheetDiagnosis& d, const std::string& effect,
-                                   const std::vector<Trial>& rivals, const Control& control) {
+                                   const std::vector<Trial>& rivals, double telling,
+                                   const Control& control) {
   std::vector<std::string> equals;
   std::set<std::string> tried;
   for (const Trial& rival : rivals) {
@@ -33,7 +49,8 @@ std::vector<std::string> equals_of(const SheetDiagnosis& d, const std::string& e
                   d.data, d.extended.states, field_options(control));
     if (!swapped) continue;
     tried.insert(rival.effect->id);
-    if (evidence_against(swapped->at, d.extended.at) < kDecisive)
+    const double rows = is_case_of(effect, rival.effect->id) ? 0.0 : telling;
+    if (evidence_against(swapped->at, d.extended.at, rows) < kDecisive)
       equals.push_back(rival.effect->id);
   }
   return equals;
@@ -62,7 +79,7 @@ Verdict verdict_for(const SheetDiagnosis& d, const std::string& id,
     trials.push_back(&f->trial);
     rivals.insert(rivals.end(), f->rivals.begin(), f->rivals.end());
   }
-  verdict.alternatives = equals_of(d, id, rivals, control);
+  verdict.alternatives = equals_of(d, id, rivals, telling_rows(d, findings), control);
   std::vector<std::pair<std::string, double>> alike;
   for (const FieldFinding* f : findings)
     for (const LookAlike& other : f->look_alikes) {

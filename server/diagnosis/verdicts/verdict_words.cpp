@@ -27,16 +27,22 @@ std::string list_words(const std::vector<std::string>& ids) {
 
 }  // namespace
 
-double evidence_against(const Reference& other, const Reference& chosen) {
+double evidence_against(const Reference& other, const Reference& chosen, double telling_rows) {
   const double rows = std::max(other.fit.effective_rows, chosen.fit.effective_rows);
-  return information(other.fit.chi2, free_count(other.model), 0, rows) -
-         information(chosen.fit.chi2, free_count(chosen.model), 0, rows);
+  const int more = free_count(other.model) - free_count(chosen.model);
+  const double per_parameter = std::log(telling_rows > 0.0 ? telling_rows : rows);
+  return rows * std::log(std::max(other.fit.chi2, 1e-12) / std::max(chosen.fit.chi2, 1e-12)) +
+         more * per_parameter;
 }
 
 bool says_nothing_against(const std::string& rival, const std::string& effect) {
   const Effect* other = find_effect(rival);
   return (rival == "strain_dependent_friction" && effect == "internal_friction") ||
          (other != nullptr && other->special_form_of == effect);
+}
+
+bool is_case_of(const std::string& effect, const std::string& rival) {
+  return effect == "anisotropy" && rival == "nonlinear_stiffness";
 }
 
 bool is_rate_question(const std::string& effect) {

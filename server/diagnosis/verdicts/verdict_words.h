@@ -13,12 +13,17 @@
 namespace tenter::diagnosis {
 
 /// Twice the log evidence that speaks against `other` and for `chosen`: difference of the
-/// information criteria, on the larger number of independent rows of both.
-double evidence_against(const Reference& other, const Reference& chosen);
+/// information criteria, on the larger number of independent rows of both. `telling_rows`: of those
+/// that tell of what the two differ in, where these are fewer; a parameter costs their logarithm.
+double evidence_against(const Reference& other, const Reference& chosen, double telling_rows = 0.0);
 
 /// Whether that a rival does as well says nothing against an effect: the rival holds it as a
 /// special case, or is a sharper form of it.
 bool says_nothing_against(const std::string& rival, const std::string& effect);
+
+/// What the effect adds is a case of what the rival adds, as a constant is of a curve: then the
+/// rival does as well whatever is true, and only what it costs tells.
+bool is_case_of(const std::string& effect, const std::string& rival);
 
 /// Friction and viscosity, which only rates and holds tell apart.
 bool is_rate_question(const std::string& effect);

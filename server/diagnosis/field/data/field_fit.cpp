@@ -87,6 +87,8 @@ Expected<FieldFit> fit_field(const model::Model& start, const FieldData& data,
   FieldFit result;
   result.at.model = start;
   result.at.fit = estimation::fit(*evaluator, start, fit_options(start, options));
+  // rests of another law may lie where this one has none on the way
+  if (!result.at.fit.usable && !starts.empty()) return fit_field(start, data, {}, options);
   if (!result.at.fit.usable)
     return bad_input("the model \"" + start.name +
                      "\" cannot be fitted to these captures: " + result.at.fit.message +

@@ -50,7 +50,8 @@ struct FieldFitOptions {
   std::function<bool(int, double)> on_iteration = nullptr;
 };
 
-/// `starts`: rests of nearly these parameters; empty: the sequences' own. bad_input as
+/// `starts`: rests of nearly these parameters; empty, or where they lead nowhere: the sequences'
+/// own. bad_input as
 /// SequenceEvaluator::make(), and where frames have no rest at the start.
 Expected<FieldFit> fit_field(const model::Model& start, const FieldData& data,
                              const FieldStates& starts, const FieldFitOptions& options);

@@ -128,16 +128,14 @@ void add_look_alikes(const Screen& screen, const Chain& chain, FieldFinding& fin
   }
 }
 
-/// Laws are written otherwise than cloth behaves: what is a fifth as large as the effects that are
-/// in may be what their form misses.
+/// Whether another effect than those that are in adds no more than their form may miss.
 bool is_form_of_what_is_in(const Trial& trial, const Chain& chain) {
-  constexpr double kForm = 0.2;
   const bool is_more_of_one =
       std::any_of(chain.accepted.begin(), chain.accepted.end(),
                   [&](const FieldFinding& f) { return f.trial.effect == trial.effect; });
-  if (chain.accepted.empty() || is_more_of_one) return false;
   const double now = chain.current.at.fit.chi2;
-  return now - trial.fit.chi2 < kForm * kForm * (chain.d.baseline.at.fit.chi2 - now);
+  return !is_more_of_one &&
+         is_within_form(now - trial.fit.chi2, chain.d.baseline.at.fit.chi2 - now);
 }
 
 /// Forward: one effect at a time, the best that passes, until none does.

@@ -284,6 +284,11 @@ double criterion_of(const Trial& trial, int added_effects, double rows) {
   return information(trial.fit.chi2, trial.parameters, added_effects, rows) + asked;
 }
 
+bool is_within_form(double gain, double taken) {
+  constexpr double kForm = 0.2;  // of the size, whose square chi2 is
+  return gain < kForm * kForm * taken;
+}
+
 double explained_share(double before, double after, double expected_chi2) {
   const double missed = before - expected_chi2;
   return missed > 0.0 ? std::min(1.0, (before - after) / missed) : 1.0;

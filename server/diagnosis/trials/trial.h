@@ -86,6 +86,10 @@ std::string compare_held_out(Trial& trial, const estimation::HeldOut& earlier,
                              const std::vector<estimation::Row>& rows, int blocks,
                              const std::string& kind, double expected_chi2);
 
+/// Laws are written otherwise than cloth behaves: a gain in chi2 of effects a fifth as large as
+/// those that took `taken` may be what the form of these misses.
+bool is_within_form(double gain, double taken);
+
 /// Share of what `before` missed beyond `expected_chi2` that `after` explains.
 double explained_share(double before, double after, double expected_chi2);
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "server/diagnosis/verdicts/verdict_words.h"
+
 namespace tenter::diagnosis {
 namespace {
 
@@ -58,6 +60,27 @@ TEST(ExplainedShare, IsOfWhatLiesAboveTheNoise) {
   EXPECT_NEAR(explained_share(200.0, 150.0, 100.0), 0.5, 1e-12);
   EXPECT_NEAR(explained_share(200.0, 100.0, 100.0), 1.0, 1e-12);
   EXPECT_NEAR(explained_share(200.0, 200.0, 100.0), 0.0, 1e-12);
+}
+
+TEST(WithinForm, IsWhatIsAFifthAsLarge) {
+  EXPECT_TRUE(is_within_form(39.0, 1000.0));
+  EXPECT_FALSE(is_within_form(41.0, 1000.0));
+  EXPECT_FALSE(is_within_form(1.0, 0.0));  // the first effect
+}
+
+/// A parameter more costs the logarithm of the rows that tell: forty of ten thousand do not tell a
+/// rival apart that does as well.
+TEST(EvidenceAgainst, CountsTheRowsThatTell) {
+  Reference chosen, rival;
+  chosen.fit.chi2 = rival.fit.chi2 = 1e4;
+  chosen.fit.effective_rows = rival.fit.effective_rows = 1e4;
+  for (int k = 0; k < 2; ++k)
+    rival.model.terms.push_back(new_term({}, "more", "green_u", 0.0, "linear"));
+  EXPECT_NEAR(evidence_against(rival, chosen), 2.0 * std::log(1e4), 1e-9);
+  EXPECT_NEAR(evidence_against(rival, chosen, 40.0), 2.0 * std::log(40.0), 1e-9);
+  rival.fit.chi2 = 1.01e4;
+  EXPECT_NEAR(evidence_against(rival, chosen, 40.0), 1e4 * std::log(1.01) + 2.0 * std::log(40.0),
+              1e-9);
 }
 
 /// A step of three in readings that scatter by one, here and there with a misread one beside it.

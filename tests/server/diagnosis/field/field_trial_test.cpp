@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/server/diagnosis/field/sheet_of.h"
 
 namespace tenter::diagnosis {
@@ -27,6 +29,20 @@ FieldData data_of(const SheetRequest& request) {
     for (auto& frame : data.sequences.back().frames) frame.duration_s = 1.0;
   }
   return data;
+}
+
+TEST(FitField, BeginsWhereItWasMeasuredIfItsStartsLeadNowhere) {
+  const SheetTruth truth{.model = compliant_cloth(), .protocols = {"stretch_u"}, .frames = 6};
+  const FieldData data = data_of(sheets_of(truth, compliant_cloth()));
+  model::Model model = compliant_cloth();
+  for (const std::size_t t : {1, 2, 3, 4, 5}) model.terms[t].law.parameters[0].fixed = true;
+  const auto plain = fit_field(model, data, {}, {});
+  ASSERT_TRUE(plain) << plain.error().message;
+  FieldStates nowhere = plain->states;
+  for (auto& state : nowhere.front()) state.x.setConstant(std::nan(""));
+  const auto again = fit_field(model, data, nowhere, {});
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->at.fit.chi2, plain->at.fit.chi2);
 }
 
 /// Forces scatter eight times as far as is stated: what an offset of one takes off them is strong

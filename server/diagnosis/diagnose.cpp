@@ -19,6 +19,7 @@
 #include "server/diagnosis/verdicts/path.h"
 #include "server/diagnosis/verdicts/score.h"
 #include "server/diagnosis/verdicts/standing.h"
+#include "server/diagnosis/verdicts/verdict_words.h"
 #include "server/diagnosis/verdicts/verdicts.h"
 
 namespace tenter::diagnosis {
@@ -309,6 +310,46 @@ bool refine_extended(Diagnosis& d, Reference& current, const Request& request,
   return true;
 }
 
+/// Forward and backward, and once more from a better optimum.
+void find_path(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
+               const Request& request, const Excitation& excitation, const Control& control) {
+  go_forward(d, current, accepted, request, excitation, control);
+  if (control.stop.stop_requested()) return;
+  go_backward(d, current, accepted);
+  exchange(d, current, accepted, request, excitation, control);
+  if (!accepted.empty() && refine_extended(d, current, request, control)) {
+    go_forward(d, current, accepted, request, excitation, control);
+    go_backward(d, current, accepted);
+  }
+}
+
+/// True where the effects found leave much less noise: then what was weighed and judged by it has
+/// to be done again, from the baseline on.
+bool begin_anew(Diagnosis& d, const Reference& current, const std::vector<Accepted>& accepted,
+                const Request& request) {
+  if (accepted.empty()) return false;
+  auto weighed = weigh_without(d.data, d.noise, current);
+  if (!weighed) return false;
+  auto baseline = make_reference(d.baseline.model, weighed->data, {});
+  if (!baseline) {
+    d.checklist.push_back({"WARNING", "the noise that is left without what was found has no say",
+                           baseline.error().message});
+    return false;
+  }
+  std::string found;
+  for (const Accepted& entry : accepted)
+    if (found.find(entry.trial.effect->id) == std::string::npos)
+      found += (found.empty() ? "" : ", ") + entry.trial.effect->id;
+  d.noise = std::move(weighed->noise);
+  d.data = std::move(weighed->data);
+  d.baseline = std::move(*baseline);
+  d.path = {step_of("start", "",
+                    request.model.name + "; without " + found + " repeats differ by " +
+                        in_percent(weighed->quieter) + " of what they did: weighed anew",
+                    d.baseline, d)};
+  return true;
+}
+
 }  // namespace
 
 Expected<Diagnosis> fit_only(const Request& request, const Control& control) {
@@ -328,15 +369,14 @@ Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
   report_repeats(d, check_repeats(d.baseline, d.data, d.noise, excitation, request.options.seed));
   Reference current = d.baseline;
   std::vector<Accepted> accepted;
-  go_forward(d, current, accepted, request, excitation, control);
+  find_path(d, current, accepted, request, excitation, control);
+  if (begin_anew(d, current, accepted, request)) {
+    current = d.baseline;
+    accepted.clear();
+    find_path(d, current, accepted, request, excitation, control);
+  }
   if (control.stop.stop_requested())
     return fail(ErrorKind::cancelled, "stopped while effects were being tried");
-  go_backward(d, current, accepted);
-  exchange(d, current, accepted, request, excitation, control);
-  if (!accepted.empty() && refine_extended(d, current, request, control)) {
-    go_forward(d, current, accepted, request, excitation, control);
-    go_backward(d, current, accepted);
-  }
   const auto look_again = [&] {
     d.extended = current;
     d.last_screen = screen(

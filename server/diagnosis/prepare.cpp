@@ -59,6 +59,22 @@ std::pair<estimation::Noise, DataPointer> reweigh(const DataPointer& data,
   return {std::move(noise), std::move(weighed)};
 }
 
+std::optional<Weighed> weigh_without(const DataPointer& data, const estimation::Noise& noise,
+                                     const Reference& found) {
+  constexpr double kMuch = 0.7;
+  Weighed weighed;
+  std::tie(weighed.noise, weighed.data) = reweigh(data, data->rows(), found.fit.residuals);
+  for (std::size_t i = 0; i < noise.channels.size(); ++i)
+    for (std::size_t c = 0; c < noise.channels[i].size(); ++c) {
+      const estimation::ChannelNoise& before = noise.channels[i][c];
+      if (before.source == estimation::NoiseSource::repeats && before.repeat_sigma > 0.0)
+        weighed.quieter = std::min(weighed.quieter,
+                                   weighed.noise.channels[i][c].repeat_sigma / before.repeat_sigma);
+    }
+  if (weighed.quieter >= kMuch) return std::nullopt;
+  return weighed;
+}
+
 Expected<Reference> make_reference(const model::Model& start, const DataPointer& data,
                                    const estimation::FitOptions& options) {
   Reference reference;

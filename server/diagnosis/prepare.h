@@ -3,6 +3,9 @@
 // and the baseline fit.
 #pragma once
 
+#include <optional>
+#include <utility>
+
 #include "server/diagnosis/diagnose.h"
 
 namespace tenter::diagnosis {
@@ -22,6 +25,17 @@ Expected<Prepared> prepare(const Request& request, const Control& control);
 std::pair<estimation::Noise, DataPointer> reweigh(const DataPointer& data,
                                                   const std::vector<estimation::Row>& rows,
                                                   const Eigen::VectorXd& residuals);
+
+struct Weighed {
+  estimation::Noise noise;
+  DataPointer data;
+  double quieter = 1.0;  ///< least ratio of what repeats of a channel differ by, to what it was
+};
+
+/// What differs from repeat to repeat, as a drift does, passes for noise until it is found. The
+/// data weighed by what repeats differ by without it, where that is much less for some channel.
+std::optional<Weighed> weigh_without(const DataPointer& data, const estimation::Noise& noise,
+                                     const Reference& found);
 
 /// Fits the model and keeps what later steps compare with.
 Expected<Reference> make_reference(const model::Model& start, const DataPointer& data,

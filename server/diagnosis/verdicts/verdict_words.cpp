@@ -7,14 +7,14 @@
 #include <cstdio>
 
 namespace tenter::diagnosis {
-namespace {
 
-/// "0.4 %", "31 %".
 std::string in_percent(double share) {
   char text[32];
   std::snprintf(text, sizeof text, share < 0.0995 ? "%.1f %%" : "%.0f %%", 100.0 * share);
   return text;
 }
+
+namespace {
 
 std::string list_words(const std::vector<std::string>& ids) {
   std::string words;

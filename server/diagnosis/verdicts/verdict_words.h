@@ -12,6 +12,9 @@
 
 namespace tenter::diagnosis {
 
+/// "0.4 %", "31 %".
+std::string in_percent(double share);
+
 /// Twice the log evidence that speaks against `other` and for `chosen`: difference of the
 /// information criteria, on the larger number of independent rows of both. `telling_rows`: of those
 /// that tell of what the two differ in, where these are fewer; a parameter costs their logarithm.

@@ -12,18 +12,7 @@ namespace tenter::diagnosis {
 namespace {
 
 using testing::compliant_cloth;
-
-FieldData data_of(const SheetRequest& request) {
-  FieldData data;
-  for (const SheetSequence& s : request.sequences) {
-    data.sequences.push_back(s.sequence);
-    for (auto& frame : data.sequences.back().frames) frame.duration_s = 1.0;
-    data.ids.push_back(s.id);
-    data.protocols.push_back(s.title);
-    data.has_clock.push_back(false);
-  }
-  return data;
-}
+using testing::data_of;
 
 model::Term switched_off(const char* id, const char* measure, const char* law) {
   model::Term term = new_term({}, id, measure, 0.0, law);

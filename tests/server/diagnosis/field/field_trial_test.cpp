@@ -13,23 +13,12 @@ namespace tenter::diagnosis {
 namespace {
 
 using testing::compliant_cloth;
+using testing::data_of;
 using testing::diagnosed;
 using testing::first;
 using testing::in_lines;
 using testing::sheets_of;
 using testing::SheetTruth;
-
-FieldData data_of(const SheetRequest& request) {
-  FieldData data;
-  for (const SheetSequence& s : request.sequences) {
-    data.sequences.push_back(s.sequence);
-    data.ids.push_back(s.id);
-    data.protocols.push_back(s.title);
-    data.has_clock.push_back(false);
-    for (auto& frame : data.sequences.back().frames) frame.duration_s = 1.0;
-  }
-  return data;
-}
 
 TEST(FitField, BeginsWhereItWasMeasuredIfItsStartsLeadNowhere) {
   const SheetTruth truth{.model = compliant_cloth(), .protocols = {"stretch_u"}, .frames = 6};

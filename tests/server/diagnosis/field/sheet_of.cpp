@@ -128,6 +128,18 @@ diagnosis::SheetRequest sheets_of(const SheetTruth& truth, const model::Model& b
   return request;
 }
 
+diagnosis::FieldData data_of(const diagnosis::SheetRequest& request) {
+  diagnosis::FieldData data;
+  for (const diagnosis::SheetSequence& s : request.sequences) {
+    data.sequences.push_back(s.sequence);
+    for (auto& frame : data.sequences.back().frames) frame.duration_s = 1.0;
+    data.ids.push_back(s.id);
+    data.protocols.push_back(s.title);
+    data.has_clock.push_back(false);
+  }
+  return data;
+}
+
 diagnosis::SheetDiagnosis diagnosed(const diagnosis::SheetRequest& request, int threads) {
   diagnosis::Control control;
   control.threads = threads;

@@ -33,6 +33,9 @@ model::Model compliant_cloth();
 /// A request to diagnose `baseline` on what the truth shows. Fails the test where that has no rest.
 diagnosis::SheetRequest sheets_of(const SheetTruth& truth, const model::Model& baseline);
 
+/// The request's sequences, a second a frame and no clock.
+diagnosis::FieldData data_of(const diagnosis::SheetRequest& request);
+
 /// Fails the test where there is no diagnosis.
 diagnosis::SheetDiagnosis diagnosed(const diagnosis::SheetRequest& request, int threads = 2);
 const diagnosis::Verdict& first(const diagnosis::SheetDiagnosis& d);

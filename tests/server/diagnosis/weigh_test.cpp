@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A drift differs from repeat to repeat, and passes for noise until it is found.
+#include <gtest/gtest.h>
+
+#include "tests/server/diagnosis/prepared_twin.h"
+
+namespace tenter::diagnosis {
+namespace {
+
+TEST(Diagnose, MeasuresTheNoiseWithoutTheDriftThatItFound) {
+  twin::TwinCase hidden;
+  hidden.seed = 101;
+  hidden.suite = "rich";
+  hidden.effects = {"load_cell_drift:x"};
+  hidden.size = 10.0;
+  Request request = testing::request_of(hidden);
+  request.options.effects = {"load_cell_drift", "load_cell_gain", "load_cell_offset"};
+  request.options.null_twins = 50;
+  const auto d = diagnose(request, {});
+  ASSERT_TRUE(d) << d.error().message;
+  EXPECT_NE(d->path.front().why.find("weighed anew"), std::string::npos) << d->path.front().why;
+  ASSERT_EQ(d->verdicts.size(), 1U);
+  EXPECT_EQ(d->verdicts.front().effect, "load_cell_drift");
+  EXPECT_EQ(d->verdicts.front().kind, VerdictKind::sensor);
+  // the twin's noise is a hundredth of the force; with the drift repeats differ by six times that
+  EXPECT_LT(d->noise_floor, 1.5 * d->after.error);
+  EXPECT_GT(d->noise_floor, 0.5 * d->after.error);
+}
+
+TEST(WeighWithout, LeavesTheNoiseAloneWhereRepeatsDifferAsMuch) {
+  twin::TwinCase plain;
+  plain.seed = 7;
+  plain.suite = "rich";
+  const Prepared prepared = testing::prepared_twin(plain);
+  EXPECT_FALSE(weigh_without(prepared.data, prepared.noise, prepared.baseline));
+}
+
+}  // namespace
+}  // namespace tenter::diagnosis

@@ -59,6 +59,7 @@ Effect anisotropy() {
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     const std::vector<Place> shared = shared_places(model, excitation);
     std::vector<Variant> variants;
+    variants.reserve(shared.size() * (shared.size() + 1) / 2);
     for (const Place& place : shared) variants.push_back(own_stiffness(model, {place}));
     for (std::size_t i = 0; i < shared.size(); ++i)
       for (std::size_t k = i + 1; k < shared.size(); ++k)

@@ -14,6 +14,7 @@
 #include "common/capture/csv/csv_import_table.h"
 #include "common/capture/csv/csv_table.h"
 #include "common/capture/csv/description.h"
+#include "common/capture/csv/finite_measures.h"
 #include "common/capture/validate.h"
 #include "common/capture/vocabulary.h"
 
@@ -40,6 +41,8 @@ class Import {
     if (auto ok = read_frames(); !ok) return tl::unexpected(ok.error());
     if (auto ok = read_time(); !ok) return tl::unexpected(ok.error());
     if (auto ok = read_channels(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = make_stresses_nominal(description_, json_, capture_); !ok)
+      return tl::unexpected(ok.error());
     if (auto ok = read_phases(); !ok) return tl::unexpected(ok.error());
     assume_sizes();
     if (auto ok = read_branches(); !ok) return tl::unexpected(ok.error());
@@ -205,6 +208,10 @@ class Import {
           number(row, column.csv, table_.cell(row, index), channel.may_be_missing);
       if (!value) return tl::unexpected(value.error());
       channel.values.push_back(column.to_si.apply(*value));
+      if (column.measure != Measure::green || std::isnan(*value)) continue;
+      const std::optional<double> strain = engineering_strain(channel.values.back());
+      if (!strain) return at(row, column.csv, "a Green strain is above -0.5");
+      channel.values.back() = *strain;
     }
     if (!column.sigma_column.empty()) {
       const std::size_t sigma_index = table_.find(column.sigma_column);

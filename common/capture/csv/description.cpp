@@ -37,6 +37,20 @@ UnitConversion unit_of_column(JsonObject& column, const std::string& si_unit) {
   return {};
 }
 
+/// What is said of the errors would change from frame to frame with the stretch.
+Measure read_measure(JsonObject& column, const Channel& channel) {
+  if (!column.has("measure")) return Measure::held;
+  for (const char* key : {"sigma", "resolution", "sigma_column"})
+    if (column.has(key))
+      column.defect().note(column.path_of(key), "cannot be given in a measure of finite strain");
+  const std::string word = column.text("measure");
+  if (word == "green" && channel.quantity == Quantity::strain) return Measure::green;
+  if (word == "second_piola" && is_force_like(channel.quantity)) return Measure::second_piola;
+  column.defect().note(column.path_of("measure"),
+                       "must be \"green\" of a strain or \"second_piola\" of a stress or force");
+  return Measure::held;
+}
+
 void read_channel(JsonObject& column, ColumnDescription& out) {
   out.is_channel = true;
   Channel& channel = out.channel;
@@ -53,6 +67,7 @@ void read_channel(JsonObject& column, ColumnDescription& out) {
   channel.resolution =
       out.to_si.apply_to_difference(column.maybe_number("resolution").value_or(0.0));
   out.sigma_column = column.text_or("sigma_column", "");
+  out.measure = read_measure(column, channel);
   const std::string missing = column.text_or("missing", "error");
   if (missing != "allowed" && missing != "error")
     column.defect().note(column.path_of("missing"), "must be \"allowed\" or \"error\"");

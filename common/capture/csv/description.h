@@ -15,6 +15,10 @@
 
 namespace tenter::capture {
 
+/// What the numbers of a strain or stress column are: what captures hold, or a measure of finite
+/// strain that the import turns into it (finite_measures.h).
+enum class Measure { held, green, second_piola };
+
 /// One column of the CSV. A text column may serve as run, group and phase at once.
 struct ColumnDescription {
   std::string csv;  ///< the header cell
@@ -26,8 +30,9 @@ struct ColumnDescription {
   bool is_phase = false;
   bool is_branch = false;
   bool is_ignored = false;
-  Channel channel;           ///< everything but the values; sigma and resolution are SI already
-  UnitConversion to_si;      ///< channel and time columns
+  Channel channel;       ///< everything but the values; sigma and resolution are SI already
+  UnitConversion to_si;  ///< channel and time columns
+  Measure measure = Measure::held;
   std::string sigma_column;  ///< header cell of the column with one sigma per row, in the same unit
   std::map<std::string, std::string>
       branch_words;  ///< the file's words for load, unload, hold, other

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "common/base/sha256.h"
 #include "tests/common/capture/support.h"
@@ -48,6 +49,67 @@ TEST(CsvImport, MakesSiOfUnits) {
   EXPECT_EQ(capture->kinematics.xy.fixed_value, 0.0);
   EXPECT_EQ(capture->provenance.imported_from, "pull.csv");
   EXPECT_EQ(capture->provenance.imported_sha256, sha256_hex(kCsv));
+}
+
+const std::string kFinite = "E,S\n0,0\n0.5,10\n1.5,20\n";
+
+/// Green strain along x and second Piola-Kirchhoff stress, in another way where `patch` says so.
+std::string finite_description(const std::string& patch = "{}") {
+  nlohmann::json base = nlohmann::json::parse(uniaxial_description(R"({
+    "columns": {"time_s": null, "displacement_mm": null, "force_N": null,
+      "E": {"channel": "strain", "quantity": "strain", "measure": "green", "unit": "1"},
+      "S": {"channel": "stress", "quantity": "membrane_stress", "measure": "second_piola",
+            "unit": "N/m"}},
+    "kinematics": {"x": {"channel": "strain", "reference_length": null}},
+    "stresses": {"x": "stress"}})"));
+  base.merge_patch(nlohmann::json::parse(patch));
+  return base.dump();
+}
+
+TEST(CsvImport, MakesNominalStressesOfFiniteMeasures) {
+  const auto capture = import_text(kFinite, finite_description());
+  ASSERT_TRUE(capture) << message_of(capture);
+  // stretches 1, sqrt 2 and 2; P = stretch S
+  const std::vector<double> stretch = {1.0, std::sqrt(2.0), 2.0};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(capture->find("strain")->values[i], stretch[i] - 1.0, 1e-15);
+    EXPECT_NEAR(capture->find("stress")->values[i], 10.0 * static_cast<double>(i) * stretch[i],
+                1e-12);
+  }
+  // shear on fibres that keep their length, the other direction free: P_xy = x S_xy
+  const auto sheared = import_text("g,T\n0,0\n0.1,3\n", finite_description(R"({
+    "columns": {"E": null, "S": null, "g": {"channel": "shear", "quantity": "shear", "unit": "1"},
+      "T": {"channel": "stress", "quantity": "membrane_stress", "measure": "second_piola",
+            "unit": "N/m"}},
+    "kinematics": {"x": {"role": "fixed", "channel": null, "value": 1.1},
+                   "xy": {"role": "prescribed", "channel": "shear"}},
+    "stresses": {"x": null, "xy": "stress"}})"));
+  ASSERT_TRUE(sheared) << message_of(sheared);
+  EXPECT_NEAR(sheared->find("stress")->values[1], 3.3, 1e-12);
+}
+
+TEST(CsvImport, RefusesFiniteMeasuresThatTellNoStretch) {
+  EXPECT_EQ(refusal("E,S\n0,0\n-0.5,1\n", finite_description()),
+            "pull.csv: line 3, column \"E\": a Green strain is above -0.5.");
+  EXPECT_EQ(refusal(kFinite, finite_description(R"({"columns": {"S": {"measure": "cauchy"}}})")),
+            "pull.json: columns.S.measure must be \"green\" of a strain or \"second_piola\" of a "
+            "stress or force.");
+  EXPECT_EQ(refusal(kFinite, finite_description(R"({"columns": {"S": {"sigma": 0.1}}})")),
+            "pull.json: columns.S.sigma cannot be given in a measure of finite strain.");
+  EXPECT_EQ(refusal(kFinite, finite_description(R"({"stresses": {"x": null}})")),
+            "pull.json: columns.S.measure \"second_piola\" needs its component in stresses.");
+  EXPECT_EQ(
+      refusal(kFinite, finite_description(R"({"stresses": {"x": null, "y": "stress"}})")),
+      "pull.json: columns.S.measure \"second_piola\" needs the stretch along y as a channel of "
+      "stretches or strains, or fixed.");
+  EXPECT_EQ(refusal(kFinite, finite_description(
+                                 R"({"kinematics": {"xy": {"role": "fixed", "value": 0.1}}})")),
+            "pull.json: columns.S.measure \"second_piola\" along x needs a test without shear.");
+  EXPECT_EQ(refusal(kFinite, finite_description(
+                                 R"({"kinematics": {"y": {"role": "fixed"}},
+                                     "stresses": {"x": null, "xy": "stress"}})")),
+            "pull.json: columns.S.measure \"second_piola\" of shear needs a y direction free of "
+            "stress.");
 }
 
 TEST(CsvImport, ChannelsKeepTheOrderOfTheFile) {

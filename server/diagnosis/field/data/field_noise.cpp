@@ -125,8 +125,11 @@ void choose(const Scatter& scatter, estimation::NoiseSource source, FieldNoise::
   kind.known_of = source == estimation::NoiseSource::repeats
                       ? static_cast<double>(scatter.values)
                       : 0.5 / (scatter.error() * scatter.error());
+  constexpr double kFiltered = 0.1;
   const bool is_larger = scatter.spread > agrees && !scatter.is_bound;
-  if (is_larger || scatter.spread < 1.0 / agrees)
+  // readings so smooth went through a filter, and what is left of their noise is no scatter
+  const bool is_filtered = source == estimation::NoiseSource::scatter && scatter.spread < kFiltered;
+  if (is_larger || (scatter.spread < 1.0 / agrees && !is_filtered))
     kind.factor = scatter.spread;
   else if (source == estimation::NoiseSource::scatter)
     kind.source = estimation::NoiseSource::declared;

@@ -12,7 +12,8 @@
 //             what is stated
 //
 // The stated value stays where what is shown is within a quarter of it, or within three of its own
-// errors: a handful of forces knows no better.
+// errors: a handful of forces knows no better. It stays too where neighbouring readings differ by
+// less than a tenth of it: they were filtered, and tell nothing of the noise that they had.
 //
 //   const FieldNoise noise = estimate_field_noise(data, rows, residuals);
 //   data = reweighed(data, noise);                                // and fit again

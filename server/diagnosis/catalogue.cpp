@@ -7,7 +7,7 @@ namespace tenter::diagnosis {
 const std::vector<Effect>& catalogue() {
   static const std::vector<Effect> rows = {
       // clang-format off
-      nonlinear_stiffness(), strain_limit(), anisotropy(), poisson_coupling(), cross_modal_stiffening(),
+      nonlinear_stiffness(), strain_limit(), anisotropy(), poisson_coupling(), cross_modal_stiffening(), specimen_scatter(),
       internal_friction(), strain_dependent_friction(), viscosity(),
       plastic_set(), first_cycle_softening(),
       cord_friction(),

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "server/diagnosis/checks/checklist.h"
+#include "server/diagnosis/checks/lattice.h"
 #include "server/diagnosis/checks/refined_solve.h"
 #include "server/diagnosis/checks/repeats_check.h"
 #include "server/diagnosis/prepare.h"
@@ -85,6 +86,9 @@ Reference reference_of(const Trial& trial) {
 /// Forward: one effect at a time, the best that passes, until none does.
 void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
                 const Request& request, const Excitation& excitation, const Control& control) {
+  // rounding follows the path of the force, and a little of it looks like anything
+  constexpr double kLeastOfSteps = 0.2;
+  const double steps = chi2_of_steps(d, 0.0);
   for (int round = static_cast<int>(accepted.size()); round < request.options.max_effects;
        ++round) {
     const double fraction = 0.1 + 0.7 * round / request.options.max_effects;
@@ -112,6 +116,8 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
       control.report({"gates", trials[i].effect->id + ", " + trials[i].variant.words, round,
                       trials[i].fit.chi2, fraction + 0.06});
       judge(trials[i], current, d.data, found.expected_chi2);
+      if (current.fit.chi2 - trials[i].fit.chi2 < kLeastOfSteps * steps)
+        trials[i].objections.push_back("the steps of the readings are much larger");
       if (trials[i].objections.empty()) {
         chosen = i;
       } else {

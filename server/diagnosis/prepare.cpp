@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
 
 #include "server/diagnosis/checks/lattice.h"
 
@@ -44,6 +47,36 @@ DataSet thinned(const DataSet& full, int max_frames) {
     data.left_out.push_back(std::move(none));
   }
   return data;
+}
+
+/// A reading below what its neighbours suggest that no good reading of its component exceeds is at
+/// the end of the load cell's range: a flat top, and no misreading.
+void keep_flat_tops(const std::vector<Curves>& curves, std::vector<estimation::Outlier>& outliers) {
+  constexpr double kNoise = 4.0;  // robust standard deviations between readings of one top
+  const auto channel_of = [&](const estimation::Outlier& o) -> const estimation::ObservedChannel& {
+    return curves[static_cast<std::size_t>(o.curve)].channels[static_cast<std::size_t>(o.channel)];
+  };
+  std::map<int, double> top;  // by component, of all that is not set aside
+  std::set<std::tuple<int, int, int>> aside;
+  for (const estimation::Outlier& o : outliers) aside.insert({o.curve, o.channel, o.frame});
+  for (std::size_t i = 0; i < curves.size(); ++i)
+    for (std::size_t c = 0; c < curves[i].channels.size(); ++c) {
+      const estimation::ObservedChannel& channel = curves[i].channels[c];
+      if (!channel.is_stress) continue;
+      for (std::size_t f = 0; f < channel.measured.size(); ++f)
+        if (std::isfinite(channel.measured[f]) &&
+            !aside.contains({static_cast<int>(i), static_cast<int>(c), static_cast<int>(f)})) {
+          const auto place = top.emplace(channel.component, channel.measured[f]).first;
+          place->second = std::max(place->second, channel.measured[f]);
+        }
+    }
+  std::erase_if(outliers, [&](const estimation::Outlier& o) {
+    const estimation::ObservedChannel& channel = channel_of(o);
+    const auto highest = top.find(channel.component);
+    if (!channel.is_stress || o.deviation >= 0.0 || highest == top.end()) return false;
+    const double noise = -o.deviation / o.score;
+    return channel.measured[static_cast<std::size_t>(o.frame)] > highest->second - kNoise * noise;
+  });
 }
 
 }  // namespace
@@ -120,6 +153,7 @@ Expected<Prepared> prepare(const Request& request, const Control& control) {
       mechanics::PathStatus::ok) {
     prepared.outliers = estimation::find_outliers(*whole, evaluator->rows(), residuals, {});
     drop_within_steps(prepared.curves, prepared.outliers);
+    keep_flat_tops(prepared.curves, prepared.outliers);
     for (const estimation::Outlier& o : prepared.outliers)
       full.left_out[static_cast<std::size_t>(o.curve)][static_cast<std::size_t>(o.channel)]
                    [static_cast<std::size_t>(o.frame)] = true;

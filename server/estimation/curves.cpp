@@ -214,6 +214,8 @@ Expected<Curves> make_curves(const Capture& capture, const std::string& id) {
   Curves curves;
   curves.id = id;
   curves.title = capture.title;
+  curves.specimen = capture.specimen.name;
+  curves.protocol = capture.protocol.name;
   curves.path.axis_angle_rad = capture.specimen.axis_angle_rad;
 
   const AxisState* axes[3] = {&capture.kinematics.x, &capture.kinematics.y, &capture.kinematics.xy};

@@ -55,6 +55,8 @@ enum class TimeBase { none, nominal_rate, clock };
 struct Curves {
   std::string id;  ///< SHA-256 of the capture
   std::string title;
+  std::string specimen;  ///< its name
+  std::string protocol;  ///< captures of one name did the same
   mechanics::StrainPath path;
   TimeBase time_base = TimeBase::none;
   std::vector<double>

@@ -112,8 +112,11 @@ void keep_determined(Folds& folds, const FitResult& larger, const std::vector<st
         normal.topLeftCorner(s, s) - cross.transpose() * others.ldlt().solve(cross);
     return value.dot(schur * value);
   };
+  constexpr double kLeastOfOne = 1e-6;  // of a column's square
   const double whole = wald(j.transpose() * j);
   std::erase_if(folds.training, [&](const Eigen::VectorXd& training) {
+    for (Eigen::Index c = 0; c < s; ++c)
+      if (j.col(c).cwiseAbs2().dot(training) < kLeastOfOne) return true;
     return wald(j.transpose() * training.asDiagonal() * j) < kLeastShare * whole;
   });
 }

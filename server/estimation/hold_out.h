@@ -31,7 +31,8 @@ Folds make_folds(const DataSet& data, const std::vector<Row>& rows, const std::s
 
 /// Drops the folds without which the data cannot tell the added parameters: their joint information
 /// (Wald, at the fitted values, all other parameters free) must keep at least a sixth of what it is
-/// on all rows. A bad score on a fold that alone shows an effect would say nothing of the effect.
+/// on all rows, and no one of them, as that of one specimen, may act on left-out rows alone. A bad
+/// score on a fold that alone shows an effect would say nothing of the effect.
 void keep_determined(Folds& folds, const FitResult& larger, const std::vector<std::size_t>& added);
 
 /// Parameters of the larger model that the smaller one does not have.

@@ -54,13 +54,15 @@ capture::Capture write_down(const PlannedCapture& plan, const std::string& suite
   capture::Capture capture;
   capture.kind = "homogeneous_strain";
   capture.title = "SYNTHETIC twin, " + plan.name;
-  capture.specimen.name = "twin swatch " + plan.name;
+  capture.specimen.name =
+      "twin swatch " + (plan.specimen > 0 ? std::to_string(plan.specimen) : plan.name);
   capture.specimen.material = "twin cloth";
   capture.specimen.length_m = 0.1;
   capture.specimen.width_m = kWidthOfX;
   capture.specimen.width_y_m = kWidthOfY;
   capture.specimen.axis_angle_rad = plan.angle_rad;
-  capture.protocol.name = "twin " + suite + " " + plan.name;
+  capture.protocol.name =
+      "twin " + suite + " " + (plan.protocol.empty() ? plan.name : plan.protocol);
   capture.protocol.description = "pulls planned by the twin generator, suite " + suite;
   capture.protocol.history = capture::Protocol::History::continues;
   capture.protocol.phases = plan.phases;

@@ -20,6 +20,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 namespace tenter::twin {
@@ -54,6 +55,12 @@ struct Cloth {
   double softening_width = 0.005;
 
   double creep_per_s = 0.0;  ///< of damage, at 8 % strain and none yet
+
+  std::vector<double> specimen_factors;  ///< on all forces of specimen 1, 2, ...; empty: all alike
+  double factor_of(int specimen) const {
+    const auto i = static_cast<std::size_t>(specimen);
+    return specimen > 0 && i <= specimen_factors.size() ? specimen_factors[i - 1] : 1.0;
+  }
 
   bool remembers() const;  ///< false: stress is a function of the strain alone
 };

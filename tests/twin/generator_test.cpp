@@ -76,7 +76,9 @@ TEST(TwinGenerator, EveryEffectReachesItsSize) {
     for (const double size : {1.0, 3.0, 10.0}) {
       if (size > largest) continue;
       SCOPED_TRACE(effect.id + " at " + std::to_string(size));
-      const Expected<Twin> twin = make_twin({.effects = {effect.id}, .size = size, .seed = 5});
+      const std::string suite = effect.needs_specimens ? "specimens" : "rich";
+      const Expected<Twin> twin =
+          make_twin({.effects = {effect.id}, .size = size, .suite = suite, .seed = 5});
       ASSERT_TRUE(twin) << twin.error().message;
       EXPECT_NEAR(twin->achieved_size / size, 1.0, 0.05)
           << "amplitude " << twin->hidden[0].amplitude;
@@ -142,6 +144,23 @@ TEST(TwinGenerator, SmallStepsAreSmallEnough) {
     for (std::size_t i = 0; i < coarse.stress_x.size(); ++i)
       worst = std::max(worst, std::abs(coarse.stress_x[i] - fine.stress_x[i]));
     EXPECT_LT(worst, 0.01);
+  }
+}
+
+TEST(TwinGenerator, SpecimensDifferByTheirFactorInAllThatTheyShow) {
+  std::vector<PlannedCapture> plans = *plan_suite("specimens", Random(1));
+  plans[2].frames = plans[0].frames;  // the same instants
+  Truth plain, scattered;
+  scattered.cloth.specimen_factors = {1.0, 1.25, 0.5};
+  const Readings first = measure(plans[0], 0, scattered.cloth, {});
+  const Readings second = measure(plans[2], 2, scattered.cloth, {});
+  const Readings before = measure(plans[0], 0, plain.cloth, {});
+  ASSERT_EQ(plans[2].specimen, 2);
+  ASSERT_EQ(plans[2].protocol, plans[0].protocol);
+  for (std::size_t i = 0; i < first.stress_x.size(); ++i) {
+    EXPECT_EQ(first.stress_x[i], before.stress_x[i]);
+    EXPECT_NEAR(second.stress_x[i], 1.25 * first.stress_x[i], 1e-12);
+    EXPECT_NEAR(second.stress_y[i], 1.25 * first.stress_y[i], 1e-12);
   }
 }
 

@@ -85,6 +85,17 @@ void cross_modal(double amplitude, const std::string& variant, const Plans&, Ran
   (variant == "shear" ? truth.cloth.cross_shear : truth.cloth.cross_stretch) = c;
 }
 
+void specimens_differ(double amplitude, const std::string&, const Plans& plans, Random choices,
+                      Truth& truth) {
+  int specimens = 0;
+  for (const PlannedCapture& plan : plans) specimens = std::max(specimens, plan.specimen);
+  truth.cloth.specimen_factors.clear();
+  for (int i = 0; i < specimens; ++i) {
+    const double up = 1.0 + amplitude * choices.uniform(0.3, 1.0);
+    truth.cloth.specimen_factors.push_back(choices.uniform() < 0.5 ? up : 1.0 / up);
+  }
+}
+
 std::size_t cell_of(const std::string& variant) {
   return variant == "y" ? 1 : 0;
 }
@@ -211,6 +222,7 @@ const std::vector<HiddenEffect>& hidden_effects() {
        1e4,
        "N/m at 5 %",
        cross_modal},
+      {"specimen_scatter", {}, false, false, false, 0.1, 2.0, "1", specimens_differ, true},
       {"internal_friction",
        {"axes", "axes", "fibres"},
        false,

@@ -34,6 +34,7 @@ struct HiddenEffect {
   /// Switches the effect on. `choices` fixes all else about it (the same at every amplitude).
   void (*apply)(double amplitude, const std::string& variant,
                 const std::vector<PlannedCapture>& plans, Random choices, Truth& truth) = nullptr;
+  bool needs_specimens = false;  ///< shows only where several specimens do the same
 };
 
 const std::vector<HiddenEffect>& hidden_effects();

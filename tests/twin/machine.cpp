@@ -115,6 +115,7 @@ Readings measure(const PlannedCapture& plan, std::size_t capture_index, const Cl
   const bool simple = one_step_is_enough(cloth, faults);
   const bool other_clock = faults.force_delay_s != 0.0 || faults.clock_alias_s != 0.0;
 
+  const double factor = cloth.factor_of(plan.specimen);
   Grips grips(faults, capture_index);
   ClothState state;
   Deformation swatch;
@@ -140,6 +141,7 @@ Readings measure(const PlannedCapture& plan, std::size_t capture_index, const Cl
       stress = plan.free_x || plan.free_y
                    ? step_free(cloth, plan.angle_rad, plan.free_x, swatch, dt / count, state)
                    : step(cloth, plan.angle_rad, swatch, dt / count, state);
+      stress = {factor * stress.x, factor * stress.y, factor * stress.shear};
       if (other_clock) {
         trace.time.push_back(time);
         trace.stress.push_back(stress);

@@ -192,17 +192,41 @@ std::vector<PlannedCapture> knit_suite(double jitter, Random& choices) {
   return captures;
 }
 
+std::vector<PlannedCapture> specimens_suite(double jitter, Random& choices) {
+  constexpr int kSpecimens = 3;
+  constexpr Pace kPace{kSlowRate, kFastRate};
+  std::vector<PlannedCapture> captures;
+  for (int specimen = 1; specimen <= kSpecimens; ++specimen)
+    for (const bool along_x : {true, false}) {
+      if (!along_x && specimen == kSpecimens) continue;
+      const std::string protocol = along_x ? "strip_x" : "strip_y";
+      PlannedCapture capture = named(protocol + "_" + std::to_string(specimen));
+      capture.specimen = specimen;
+      capture.protocol = protocol;
+      captures.push_back(nested_strip(std::move(capture),
+                                      along_x ? Direction{.x = 1.0} : Direction{.y = 1.0}, kPace, 2,
+                                      0, 1, jitter, choices));
+    }
+  return captures;
+}
+
 }  // namespace
 
 const std::vector<std::string>& suite_names() {
-  static const std::vector<std::string> names = {"rich", "single_rate", "no_time", "knit_like"};
+  static const std::vector<std::string> names = {"rich", "single_rate", "no_time", "knit_like",
+                                                 "specimens"};
   return names;
+}
+
+bool has_specimens(const std::string& suite) {
+  return suite == "specimens";
 }
 
 Expected<std::vector<PlannedCapture>> plan_suite(const std::string& suite, Random choices) {
   const double jitter = 0.3;
   if (suite == "rich") return loops_suite({kSlowRate, kFastRate}, jitter, choices);
   if (suite == "knit_like") return knit_suite(jitter, choices);
+  if (has_specimens(suite)) return specimens_suite(jitter, choices);
   if (suite == "single_rate" || suite == "no_time") {
     std::vector<PlannedCapture> captures = loops_suite({kSingleRate, 0.0}, jitter, choices);
     if (suite == "no_time")
@@ -213,7 +237,7 @@ Expected<std::vector<PlannedCapture>> plan_suite(const std::string& suite, Rando
     return captures;
   }
   return bad_input("there is no twin suite '" + suite +
-                   "' (rich, single_rate, no_time, knit_like)");
+                   "' (rich, single_rate, no_time, knit_like, specimens)");
 }
 
 }  // namespace tenter::twin

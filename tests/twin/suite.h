@@ -8,6 +8,8 @@
 //                direction; equibiaxial, shear and 45 degree loops. About 1,300 frames
 //   single_rate  the same loops at one rate, no hold: friction and viscosity cannot be told apart
 //   no_time      single_rate with neither time nor rate recorded
+//   specimens    three specimens, pulled along x and all but the last along y: nested loops, two
+//   repeats, and a hold at another rate
 //   knit_like    loading-only pulls along x and along y, five repeats each, free transverse
 //   direction observed;
 //                the way back to zero happens but is not recorded
@@ -40,6 +42,8 @@ struct PlannedFrame {
 /// A planned capture. A free axis has no load cell; its stretch is observed.
 struct PlannedCapture {
   std::string name;
+  int specimen = 0;        ///< of those that do the same protocols, from 1; 0: one swatch alone
+  std::string protocol;    ///< "": as the name
   double angle_rad = 0.0;  ///< from weft to the test's x axis
   bool free_x = false;
   bool free_y = false;
@@ -52,6 +56,8 @@ struct PlannedCapture {
 };
 
 const std::vector<std::string>& suite_names();
+/// Whether several specimens do the same.
+bool has_specimens(const std::string& suite);
 
 /// Plans a suite. `choices` sets the jitter of the frames (each run is sampled at its own
 /// instants). Fails where there is no suite of that name.

@@ -12,6 +12,7 @@ Effect strain_limit();
 Effect anisotropy();
 Effect poisson_coupling();
 Effect cross_modal_stiffening();
+Effect specimen_scatter();
 Effect internal_friction();
 Effect strain_dependent_friction();
 Effect viscosity();

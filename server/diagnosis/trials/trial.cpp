@@ -125,36 +125,42 @@ void check_parameters(Trial& trial) {
   constexpr double kVague = 0.5;
   const auto names = estimation::parameter_names(trial.model);
   const auto all = estimation::parameters_of(std::as_const(trial.model));
-  const auto check = [&](const std::string& owner, double off_value) {
+  // amplitudes of those who are one addition, each with its value when off
+  const auto check = [&](const std::vector<std::pair<std::string, double>>& owners) {
     std::vector<std::size_t> amplitudes;
     std::vector<std::size_t> shape;
     std::vector<double> off;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      if (!names[i].starts_with(owner + ".") || all[i]->fixed) continue;
-      if (!enters_nonlinearly(names[i])) {
-        amplitudes.push_back(i);
-        off.push_back(off_value);
-        continue;
+    for (const auto& [owner, off_value] : owners)
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        if (!names[i].starts_with(owner + ".") || all[i]->fixed) continue;
+        if (!enters_nonlinearly(names[i])) {
+          amplitudes.push_back(i);
+          off.push_back(off_value);
+          continue;
+        }
+        shape.push_back(i);
+        if (all[i]->upper && all[i]->value >= *all[i]->upper * (1.0 - 1e-6))
+          trial.objections.push_back(names[i] + " runs to its upper bound");
       }
-      shape.push_back(i);
-      if (all[i]->upper && all[i]->value >= *all[i]->upper * (1.0 - 1e-6))
-        trial.objections.push_back(names[i] + " runs to its upper bound");
-    }
     const double error = joint_relative_error(trial, amplitudes, off, shape);
+    const std::string& first = owners.front().first;
     if (error > 1e3)
-      trial.objections.push_back(owner + " is at a bound or moves nothing");
+      trial.objections.push_back(first + " is at a bound or moves nothing");
     else if (error > kVague)
-      trial.objections.push_back("the size of " + owner + " is known to no better than " +
+      trial.objections.push_back("the size of " + first + " is known to no better than " +
                                  std::to_string(static_cast<int>(std::min(error * 100.0, 999.0))) +
                                  " %");
   };
-  for (const model::Term& term : trial.variant.append) check(term.id, 0.0);
+  for (const model::Term& term : trial.variant.append) check({{term.id, 0.0}});
+  std::vector<std::pair<std::string, double>> corrections;
   for (const model::SensorCorrection& c : trial.variant.corrections) {
     const model::CorrectionRow* row = nullptr;  // of curves or of sheets
     for (const model::Seen seen : {model::Seen::curves, model::Seen::sheets})
       if (row == nullptr) row = model::find_correction(c.type, seen);
-    check(c.id, row->parameters.front().value);
+    corrections.emplace_back(c.id, row->parameters.front().value);
+    if (!trial.variant.corrections_are_one) check({corrections.back()});
   }
+  if (trial.variant.corrections_are_one) check(corrections);
 }
 
 double jump_of(const std::vector<double>& before, const std::vector<double>& after) {

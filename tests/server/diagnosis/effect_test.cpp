@@ -24,9 +24,11 @@ const std::vector<Ground>& grounds() {
   static const std::vector<Ground> all = [] {
     std::vector<Ground> list;
     for (const std::vector<std::string>& effects :
-         {std::vector<std::string>{}, {"anisotropy"}, {"poisson_coupling"}}) {
+         {std::vector<std::string>{}, {"anisotropy"}, {"poisson_coupling"}, {"specimen_scatter"}}) {
+      const bool of_many = effects == std::vector<std::string>{"specimen_scatter"};
       Ground g;
-      g.prepared = testing::prepared_twin({.effects = effects, .seed = 3}, 15);
+      g.prepared = testing::prepared_twin(
+          {.effects = effects, .suite = of_many ? "specimens" : "rich", .seed = 3}, 15);
       g.excitation = examine(g.prepared.data->curves);
       list.push_back(std::move(g));
     }

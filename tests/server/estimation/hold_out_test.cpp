@@ -118,6 +118,29 @@ TEST(KeepDetermined, DropsFoldsThatAloneShowAnEffect) {
   EXPECT_EQ(blocks.training.size(), 8U);
 }
 
+TEST(KeepDetermined, DropsFoldsThatTakeAllThatAParameterActsOn) {
+  const auto data = three_protocols();
+  // factors of the second and the third capture: either could be told without the other's data
+  model::Model model = cloth_with_shear_held();
+  for (const std::size_t curve : {1U, 2U}) {
+    testing::add_correction(model, "gain", "", 1.2);
+    model.corrections.back().id += std::to_string(curve);
+    model.corrections.back().capture = data->curves[curve].id;
+  }
+  testing::measure_with(model, 0.2, 6, *data);
+  auto evaluator = Evaluator::make(model, data);
+  ASSERT_TRUE(evaluator);
+  const FitResult found = fit(*evaluator, model, {});
+  ASSERT_TRUE(found.converged);
+  Folds folds = make_folds(*data, evaluator->rows(), "protocols");
+  ASSERT_EQ(folds.training.size(), 3U);
+  keep_determined(folds, found, added_parameters(model, cloth_with_shear_held()));
+  for (std::size_t k = 0; k < folds.training.size(); ++k)
+    EXPECT_EQ(
+        left_out(folds, k, evaluator->rows(), [](const Row& r) { return std::to_string(r.curve); }),
+        std::set<std::string>{"0"});
+}
+
 TEST(CrossValidation, OfTheTrueModelMissesTheNoiseAndNoMore) {
   const auto data = three_protocols();
   const model::Model model = cloth_with_shear_held();

@@ -51,6 +51,19 @@ TEST(Exam, EffectsNullsAndForeignOnes) {
   expect_targets(sit_and_show(questions, "exam_rich"));
 }
 
+TEST(Exam, SpecimensThatDifferAndSpecimensThatDoNot) {
+  Paper paper;
+  paper.effects = {"specimen_scatter", "load_cell_gain"};
+  paper.suites = {"specimens"};
+  paper.seeds = 1;
+  paper.nulls = 2;
+  paper.pairs = 1;
+  paper.first_seed = 101;
+  const std::vector<Question> questions = set(paper);
+  ASSERT_EQ(questions.size(), 8U);
+  expect_targets(sit_and_show(questions, "exam_specimens"));
+}
+
 TEST(Exam, FrictionAndViscosityAreNotToldApartWhereTheRateIsHidden) {
   Paper paper;
   paper.effects = {"internal_friction", "viscosity"};

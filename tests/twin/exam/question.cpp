@@ -19,6 +19,7 @@ bool hides_rate(const std::string& suite) {
 }
 
 bool can_show(const std::string& suite, const twin::HiddenEffect& effect) {
+  if (effect.needs_specimens && !twin::has_specimens(suite)) return false;
   if (suite == "knit_like") return !effect.needs_loops;
   if (suite == "no_time") return !effect.needs_time || is_rate_question(effect.id);
   return true;

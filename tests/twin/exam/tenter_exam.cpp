@@ -119,7 +119,7 @@ int main(int argc, char** argv) {
   app.add_option("--sizes", options.paper.sizes, "effect over noise; default: 3 10")
       ->check(CLI::PositiveNumber);
   app.add_option("--suites,--suite", options.paper.suites,
-                 "rich, single_rate, no_time, knit_like; sheet_field, sheet_markers, "
+                 "rich, single_rate, no_time, knit_like, specimens; sheet_field, sheet_markers, "
                  "sheet_single_rate, sheet_no_time; default: rich");
   app.add_option("--seeds", options.paper.seeds, "questions of each effect and size; default: 3")
       ->check(CLI::NonNegativeNumber);

@@ -28,8 +28,19 @@ TEST(Questions, CoverEveryEffectSizeAndVariant) {
   for (const twin::HiddenEffect& effect : twin::hidden_effects()) {
     for (const std::string& variant : effect.variants)
       EXPECT_TRUE(asked.contains(effect.id + ":" + variant)) << effect.id << ":" << variant;
+    if (effect.needs_specimens) continue;  // one suite alone shows it
     EXPECT_TRUE(!effect.variants.empty() || asked.contains(effect.id)) << effect.id;
   }
+}
+
+TEST(Questions, OfSpecimensAreOfTheSuiteThatHasSeveral) {
+  Paper paper;
+  paper.effects = {"specimen_scatter"};
+  paper.suites = {"rich", "specimens"};
+  const auto questions = set_questions(paper);
+  ASSERT_TRUE(questions);
+  ASSERT_FALSE(questions->empty());
+  for (const Question& question : *questions) EXPECT_EQ(question.twin.suite, "specimens");
 }
 
 TEST(Questions, AskOnlyWhatTheSuiteCanShow) {

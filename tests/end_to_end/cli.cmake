@@ -6,7 +6,7 @@ if(TARGET tenter AND TENTER_PYTHON3)
       --data ${PROJECT_SOURCE_DIR}/tests/data)
   add_test(NAME cli_jobs_test COMMAND ${TENTER_PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli_jobs_test.py
     ${cli_programs} --worker $<TARGET_FILE:tenter-fake-worker>)
-  set_tests_properties(cli_jobs_test PROPERTIES TIMEOUT 240 LABELS "e2e")
+  set_tests_properties(cli_jobs_test PROPERTIES TIMEOUT 240 LABELS "e2e" COST 100)  # waits, as in tests/CMakeLists.txt
   if(TARGET tenter-worker)
     add_test(NAME cli_diagnose_test COMMAND ${TENTER_PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli_diagnose_test.py
       ${cli_programs} --worker $<TARGET_FILE:tenter-worker> --artefacts ${CMAKE_BINARY_DIR}/artefacts/diagnose)

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <map>
 #include <set>
 #include <thread>
+#include <tuple>
 
+#include "server/diagnosis/backward.h"
 #include "server/diagnosis/checks/checklist.h"
 #include "server/diagnosis/checks/lattice.h"
 #include "server/diagnosis/checks/refined_solve.h"
@@ -17,7 +18,6 @@
 #include "server/diagnosis/trials/exchange.h"
 #include "server/diagnosis/trials/gain.h"
 #include "server/diagnosis/trials/model_edit.h"
-#include "server/diagnosis/verdicts/path.h"
 #include "server/diagnosis/verdicts/score.h"
 #include "server/diagnosis/verdicts/standing.h"
 #include "server/diagnosis/verdicts/verdict_words.h"
@@ -40,12 +40,6 @@ void parallel(int threads, int count, const std::function<void(int)>& task) {
     pool.emplace_back([&] {
       for (int i = next++; i < count; i = next++) task(i);
     });
-}
-
-PathStep step_of(const std::string& action, const std::string& effect, const std::string& why,
-                 const Reference& at, const Diagnosis& d) {
-  return path_step(action, effect, why, at,
-                   score_of(*d.data, d.data->rows(), at.fit.residuals, -1).error);
 }
 
 /// Refits the short list and judges it, best first, until one passes every gate. Trials keep the
@@ -72,12 +66,6 @@ std::vector<Trial> run_round(const std::vector<Candidate>& candidates, const Ref
   });
   return trials;
 }
-
-struct Accepted {
-  Trial trial;
-  double before_chi2 = 0.0;   ///< of the model that it was added to
-  std::vector<Trial> rivals;  ///< other effects of the same round, best first
-};
 
 Reference reference_of(const Trial& trial) {
   return {trial.model, trial.fit, trial.block_chi2};
@@ -144,42 +132,6 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
   }
 }
 
-/// What a failed refit leaves undone is said: the effect stays without having been asked again.
-void could_not_refit_without(Diagnosis& d, const std::string& id, const Error& error) {
-  d.checklist.push_back({"WARNING",
-                         "the model without " + id + " could not be fitted; it was not asked again",
-                         error.message});
-}
-
-/// Takes an effect out, refits, and keeps it out where `is_needless` says so of the refit.
-template <class Needless>
-void drop_where(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
-                Needless&& is_needless) {
-  std::set<std::string> ids;
-  for (const Accepted& entry : accepted) ids.insert(entry.trial.effect->id);
-  for (const std::string& id : ids) {
-    auto reduced = make_reference(without(current.model, id, d.baseline.model), d.data, {});
-    if (!reduced) {
-      could_not_refit_without(d, id, reduced.error());
-      continue;
-    }
-    const std::string why = is_needless(id, *reduced, current);
-    if (why.empty()) continue;
-    current = std::move(*reduced);
-    std::erase_if(accepted, [&](const Accepted& entry) { return entry.trial.effect->id == id; });
-    d.path.push_back(step_of("drop", id, why, current, d));
-  }
-}
-
-/// Backward: what later additions made needless goes.
-void go_backward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted) {
-  if (accepted.size() < 2) return;
-  drop_where(d, current, accepted,
-             [](const std::string&, const Reference& reduced, const Reference& whole) {
-               return made_needless(reduced, whole);
-             });
-}
-
 /// Each effect against those that it is mistaken for, now that the others are there too.
 void exchange(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
               const Request& request, const Excitation& excitation, const Control& control) {
@@ -208,23 +160,6 @@ void exchange(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
     accepted[i] = std::move(entry);
     std::erase_if(accepted, [&](const Accepted& other) { return other.trial.effect->id == gone; });
   }
-}
-
-/// Where the model still misses more than the noise, an effect that explained little of what was
-/// missed when it came in is a stand-in for something that the catalogue lacks: it gets no name.
-void drop_stand_ins(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted) {
-  if (!lacks_fit_still(d)) return;
-  const double missed = d.baseline.fit.chi2 - noise_chi2(d);
-  const double unexplained = missed > 0.0 ? (d.extended.fit.chi2 - noise_chi2(d)) / missed : 0.0;
-  std::map<std::string, double> best;
-  for (const Accepted& entry : accepted) {
-    double& share = best[entry.trial.effect->id];
-    share =
-        std::max(share, explained_share(entry.before_chi2, entry.trial.fit.chi2, noise_chi2(d)));
-  }
-  drop_where(d, current, accepted, [&](const std::string& id, const Reference&, const Reference&) {
-    return stands_in(best[id], unexplained);
-  });
 }
 
 /// Readings beside a corner are no proof of misreading: within a few frames of a slip that was
@@ -394,6 +329,7 @@ Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
   for (std::size_t found = accepted.size() + 1; accepted.size() < found;) {
     found = accepted.size();
     drop_stand_ins(d, current, accepted);
+    drop_series(d, current, accepted);
     if (accepted.size() < found) look_again();
   }
   confirm_outliers(d);

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "server/diagnosis/null_twins.h"
 #include "server/diagnosis/screening/catalogue_screen.h"
+#include "server/diagnosis/screening/null_twins.h"
 
 namespace tenter::diagnosis {
 namespace {

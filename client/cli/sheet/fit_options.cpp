@@ -96,7 +96,8 @@ void add_sheet_reading_options(CLI::App& command, SheetFitDraft& draft) {
       ->take_all();
   command
       .add_option("--resolution", draft.resolution,
-                  "Sheets: nodes on a side of the simulated sheet. Default: 25.")
+                  "Sheets: nodes on a side of the simulated sheet, were it a square of the same "
+                  "area; its cells are squares, nearly. Default: 25.")
       ->type_name("N")
       ->check(CLI::Range(3, 201));
   command

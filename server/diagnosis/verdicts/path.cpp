@@ -28,10 +28,16 @@ std::string made_needless(const Reference& reduced, const Reference& whole) {
 
 std::string stands_in(double share, double left) {
   // more is asked of a name where more stays unexplained
-  const double least_share = left > 0.1 ? 0.5 : 0.35;
+  const double least_share = left > 0.25 ? 0.65 : left > 0.1 ? 0.5 : 0.35;
   return share < least_share
              ? "it explains little of what is missed, and much stays unexplained: a stand-in"
              : "";
+}
+
+bool is_a_series(int effects, double first_share) {
+  constexpr int kMany = 4;
+  constexpr double kLittle = 0.4;
+  return effects >= kMany && first_share < kLittle;
 }
 
 }  // namespace tenter::diagnosis

@@ -47,7 +47,9 @@ namespace tenter::estimation {
 struct FromCaptureOptions {
   bool use_own_mesh = false;  ///< else a grid
   int nodes_u = 25;
-  int nodes_v = 0;  ///< 0: as many as make the cells squares, nearly; of a square 25
+  /// 0: cells are squares, nearly, as large as nodes_u make those of a square of the same area: a
+  /// strip has more along it and fewer across. Slender cells would have no hinge along diagonals.
+  int nodes_v = 0;
   /// Lines of the grid through the ends of clips, dense towards their corners inside the cloth and
   /// half way about the table's edges. Not for models of springs, which diagonals of slender cells
   /// make another material (mesh/springs.h).

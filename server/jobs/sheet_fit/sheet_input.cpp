@@ -12,7 +12,7 @@ namespace {
 
 Expected<estimation::Sequence> on_finer_grid(const SheetInput& input,
                                              estimation::FromCaptureOptions how) {
-  how.nodes_u = how.nodes_v = 2 * (how.nodes_u - 1) + 1;
+  how.nodes_u = 2 * (how.nodes_u - 1) + 1;
   auto finer = estimation::sequence_from_capture(input.capture, how);
   if (!finer)
     return fail(finer.error().kind,
@@ -28,7 +28,7 @@ Expected<std::vector<SheetInput>> sheet_inputs(
     std::vector<std::pair<std::string, capture::Capture>> captures,
     const SheetFitOptions& options) {
   estimation::FromCaptureOptions how;
-  how.nodes_u = how.nodes_v = options.resolution;
+  how.nodes_u = options.resolution;
   how.is_graded = options.has_graded_grid;
   how.most_points = options.points;
   how.most_frames = options.frames;

@@ -39,7 +39,7 @@ enum class ConvexWay { none, every_step, afterwards, by_construction };
 enum class HoldUnseen { none, stand_in, start, value };
 
 struct SheetFitOptions {
-  int resolution = 25;          ///< nodes on a side of the simulated grid
+  int resolution = 25;          ///< nodes on a side of the grid, were it a square of the same area
   bool has_graded_grid = true;  ///< see estimation/sequences/material/grid_layout.h
   int points = 0;               ///< vertices of a capture that are compared; 0: all
   int frames = 0;               ///< of a capture, spread evenly; 0: all

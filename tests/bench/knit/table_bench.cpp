@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 const std::vector<int> kFitted = {2, 3, 4};
 constexpr int kFrames = 60;
 constexpr int kPoints = 6;  // of the curve along the pull
-constexpr int kNodes = 17;  // along the clamps; cells are nearly square
+constexpr int kNodes = 17;  // on a side of a square of the same area
 
 struct Knit {
   capture::Capture whole;

@@ -31,6 +31,7 @@ struct Set {
   const char* beginning;  ///< of the file names
   const char* model;      ///< a preset, or a file in tests/bench
   bool are_sheets = false;
+  const char* options = "{}";  ///< of the job
 };
 
 constexpr Set kSets[] = {
@@ -51,6 +52,8 @@ constexpr Set kSets[] = {
     {"surgical mesh Ventralight, five specimens", "surgical-mesh-biaxial", "ventralight",
      "stvk_orthotropic"},
     {"woven wool, weft, warp and shear", "woven-wool-weft-warp-shear", "", "stvk_orthotropic"},
+    {"acrylic garter knit along the wales, as a sheet", "knit-uniaxial-tracked",
+     "acrylic_garter_y_sheet", "cloth_stvk", true, R"({"resolution": 9, "frames": 40})"},
     {"human skin in vivo, a full field", "skin-invivo-dic", "healthy_dic", "real/skin.model.json",
      true},
 };
@@ -83,9 +86,12 @@ Expected<json> diagnose(const Set& set, const std::vector<fs::path>& files) {
     input.captures.emplace_back(sha256_hex(*bytes), capture);
     ids.push_back(input.captures.back().first);
   }
-  input.spec_json = json{{"schema", "tenter.job"},    {"version", 1},
-                         {"kind", "diagnose"},        {"captures", ids},
-                         {"options", json::object()}, {"model", json::parse(*model)}}
+  input.spec_json = json{{"schema", "tenter.job"},
+                         {"version", 1},
+                         {"kind", "diagnose"},
+                         {"captures", ids},
+                         {"options", json::parse(set.options)},
+                         {"model", json::parse(*model)}}
                         .dump();
   input.staging = fs::temp_directory_path() / ("tenter-bench-real-" + std::to_string(getpid()));
   fs::create_directories(input.staging);

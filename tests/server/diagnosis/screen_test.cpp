@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "server/diagnosis/null_twins.h"
+#include "server/diagnosis/screening/null_twins.h"
 #include "tests/server/diagnosis/prepared_twin.h"
 
 namespace tenter::diagnosis {

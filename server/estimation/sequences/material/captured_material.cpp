@@ -158,22 +158,27 @@ Expected<mechanics::Cloth> cloth_of(const Sheet& sheet, const FromCaptureOptions
   }
   const auto& [lo, hi] = *rectangle;
   const Eigen::Vector2d size = hi - lo;
-  int nodes_v = options.nodes_v;
-  if (nodes_v == 0 && size.minCoeff() > 0.0) {
-    const double cells = std::round((options.nodes_u - 1) * size.y() / size.x());
-    nodes_v = static_cast<int>(std::clamp(cells, 1.0, 1.0 * mechanics::kMostGridNodes)) + 1;
+  int nodes_u = options.nodes_u, nodes_v = options.nodes_v;
+  if (nodes_v == 0 && nodes_u > 1 && size.minCoeff() > 0.0) {
+    const double edge_m = std::sqrt(size.prod()) / (nodes_u - 1);
+    const auto nodes = [&](double length_m) {
+      return static_cast<int>(
+                 std::clamp(std::round(length_m / edge_m), 1.0, 1.0 * mechanics::kMostGridNodes)) +
+             1;
+    };
+    nodes_u = nodes(size.x());
+    nodes_v = nodes(size.y());
   }
   if (options.is_graded) {
     SpecimenLayout layout = layout_of(sheet, frames);
     layout.lo_m = lo;
     layout.hi_m = hi;
-    const auto lines = grid_layout(layout, {options.nodes_u, nodes_v});
+    const auto lines = grid_layout(layout, {nodes_u, nodes_v});
     if (!lines) return tl::unexpected(lines.error());
     is_graded = !are_alike(lines->u_m) || !are_alike(lines->v_m);
     if (is_graded) return mechanics::cloth_of_grid(*lines, options.diagonals);
   }
-  auto cloth =
-      mechanics::cloth_of_grid({options.nodes_u, nodes_v, size.x(), size.y()}, options.diagonals);
+  auto cloth = mechanics::cloth_of_grid({nodes_u, nodes_v, size.x(), size.y()}, options.diagonals);
   if (cloth) cloth->mesh.material_m.colwise() += lo;
   return cloth;
 }

@@ -414,8 +414,8 @@ TEST(FromCapture, ManyVerticesAreComparedWithACoarseMesh) {
   options.most_points = 0;
   options.rectangle_m = {{0.0, 0.0}, {0.05, kSize_m}};
   EXPECT_EQ(sequence_from_capture(capture, options)->use.outside, 4 * kSide);
-  options.nodes_v = 0;  // squares: half as many cells along u
-  EXPECT_EQ(sequence_from_capture(capture, options)->sequence.cloth.mesh.node_count(), 4 * 7);
+  options.nodes_v = 0;  // cells as those of a square of this area: 3 sqrt(1/2) along u, 3 sqrt(2)
+  EXPECT_EQ(sequence_from_capture(capture, options)->sequence.cloth.mesh.node_count(), 3 * 5);
   options = same_grid();
   options.use_own_mesh = true;
   sheet.clips[0].region_m.clear();

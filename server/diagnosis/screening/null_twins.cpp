@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/null_twins.h"
+#include "server/diagnosis/screening/null_twins.h"
 
 #include <algorithm>
 

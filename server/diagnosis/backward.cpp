@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/diagnosis/backward.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "server/diagnosis/prepare.h"
+#include "server/diagnosis/trials/model_edit.h"
+#include "server/diagnosis/verdicts/path.h"
+#include "server/diagnosis/verdicts/score.h"
+#include "server/diagnosis/verdicts/verdict_words.h"
+#include "server/diagnosis/verdicts/verdicts.h"
+
+namespace tenter::diagnosis {
+namespace {
+
+std::set<std::string> effects_of(const std::vector<Accepted>& accepted) {
+  std::set<std::string> ids;
+  for (const Accepted& entry : accepted) ids.insert(entry.trial.effect->id);
+  return ids;
+}
+
+/// Takes an effect out, refits, and keeps it out where `is_needless` says so of the refit.
+template <class Needless>
+void drop_where(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
+                Needless&& is_needless) {
+  for (const std::string& id : effects_of(accepted)) {
+    auto reduced = make_reference(without(current.model, id, d.baseline.model), d.data, {});
+    if (!reduced) {
+      could_not_refit_without(d, id, reduced.error());
+      continue;
+    }
+    const std::string why = is_needless(id, *reduced, current);
+    if (why.empty()) continue;
+    current = std::move(*reduced);
+    std::erase_if(accepted, [&](const Accepted& entry) { return entry.trial.effect->id == id; });
+    d.path.push_back(step_of("drop", id, why, current, d));
+  }
+}
+
+}  // namespace
+
+PathStep step_of(const std::string& action, const std::string& effect, const std::string& why,
+                 const Reference& at, const Diagnosis& d) {
+  return path_step(action, effect, why, at,
+                   score_of(*d.data, d.data->rows(), at.fit.residuals, -1).error);
+}
+
+void could_not_refit_without(Diagnosis& d, const std::string& id, const Error& error) {
+  d.checklist.push_back({"WARNING",
+                         "the model without " + id + " could not be fitted; it was not asked again",
+                         error.message});
+}
+
+void go_backward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted) {
+  if (accepted.size() < 2) return;
+  drop_where(d, current, accepted,
+             [](const std::string&, const Reference& reduced, const Reference& whole) {
+               return made_needless(reduced, whole);
+             });
+}
+
+void drop_stand_ins(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted) {
+  if (!lacks_fit_still(d)) return;
+  const double missed = d.baseline.fit.chi2 - noise_chi2(d);
+  const double unexplained = missed > 0.0 ? (d.extended.fit.chi2 - noise_chi2(d)) / missed : 0.0;
+  std::map<std::string, double> best;
+  for (const Accepted& entry : accepted) {
+    double& share = best[entry.trial.effect->id];
+    share =
+        std::max(share, explained_share(entry.before_chi2, entry.trial.fit.chi2, noise_chi2(d)));
+  }
+  drop_where(d, current, accepted, [&](const std::string& id, const Reference&, const Reference&) {
+    return stands_in(best[id], unexplained);
+  });
+}
+
+void drop_series(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted) {
+  const std::set<std::string> ids = effects_of(accepted);
+  const auto first = std::find_if(d.path.begin(), d.path.end(),
+                                  [](const PathStep& s) { return s.action == "add"; });
+  if (first == d.path.end()) return;
+  const double share = explained_share(d.baseline.fit.chi2, first->chi2, noise_chi2(d));
+  if (!is_a_series(static_cast<int>(ids.size()), share)) return;
+  current = d.baseline;
+  accepted.clear();
+  for (const std::string& id : ids)
+    d.path.push_back(step_of("drop", id,
+                             "of " + std::to_string(ids.size()) + " effects the first explains " +
+                                 in_percent(share) +
+                                 " of what is missed: terms of a series, no causes",
+                             current, d));
+}
+
+}  // namespace tenter::diagnosis

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which effects may keep their names.
+#include "server/diagnosis/verdicts/path.h"
+
+#include <gtest/gtest.h>
+
+namespace tenter::diagnosis {
+namespace {
+
+TEST(Path, MoreIsAskedOfANameWhereMoreStaysUnexplained) {
+  const auto stays = [](double share, double left) { return stands_in(share, left).empty(); };
+  EXPECT_TRUE(stays(0.4, 0.05));
+  EXPECT_FALSE(stays(0.3, 0.05));
+  EXPECT_TRUE(stays(0.55, 0.2));
+  EXPECT_FALSE(stays(0.45, 0.2));
+  EXPECT_TRUE(stays(0.7, 0.29));
+  EXPECT_FALSE(stays(0.55, 0.45));  // what backlash leaves of a delay
+}
+
+TEST(Path, ManyEffectsOfWhichNoneExplainsMuchAreASeries) {
+  EXPECT_TRUE(is_a_series(4, 0.3));
+  EXPECT_FALSE(is_a_series(2, 0.3));  // of two causes that add up
+  EXPECT_FALSE(is_a_series(5, 0.6));  // a knit has many
+}
+
+}  // namespace
+}  // namespace tenter::diagnosis

@@ -177,24 +177,32 @@ bool beside_an_event(const Diagnosis& d, const estimation::Outlier& o, bool near
   return o.frame - block.first < kFrames || block.last - 1 - o.frame < kFrames;
 }
 
-/// Of the readings set aside, those that the extended model does not reach either; a sharp corner
-/// that the baseline lacked is no misreading.
-void confirm_outliers(Diagnosis& d) {
-  if (d.outliers.empty()) return;
+/// Of the readings set aside, those that a model does not reach either; a sharp corner that the
+/// baseline lacked is no misreading.
+std::vector<estimation::Outlier> not_reached(const Diagnosis& d, const model::Model& model) {
   const auto whole = std::make_shared<const estimation::DataSet>(whole_data(d, {}));
-  auto evaluator = estimation::Evaluator::make(d.extended.model, whole);
+  auto evaluator = estimation::Evaluator::make(model, whole);
   Eigen::VectorXd residuals;
-  if (!evaluator || evaluator->evaluate(estimation::parameter_values(d.extended.model), residuals,
-                                        nullptr) != mechanics::PathStatus::ok)
-    return;
+  if (!evaluator || evaluator->evaluate(estimation::parameter_values(model), residuals, nullptr) !=
+                        mechanics::PathStatus::ok)
+    return d.outliers;
   std::set<std::tuple<int, int, int>> still;
   for (const estimation::Outlier& o :
        estimation::find_outliers(*whole, evaluator->rows(), residuals, {}))
     still.insert({o.curve, o.channel, o.frame});
-  const bool rough = lacks_fit_still(d);
-  std::erase_if(d.outliers, [&](const estimation::Outlier& o) {
-    return !still.contains({o.curve, o.channel, o.frame}) || beside_an_event(d, o, rough);
+  std::vector<estimation::Outlier> left = d.outliers;
+  std::erase_if(left, [&](const estimation::Outlier& o) {
+    return !still.contains({o.curve, o.channel, o.frame});
   });
+  return left;
+}
+
+void confirm_outliers(Diagnosis& d) {
+  if (d.outliers.empty()) return;
+  d.outliers = not_reached(d, d.extended.model);
+  const bool rough = lacks_fit_still(d);
+  std::erase_if(d.outliers,
+                [&](const estimation::Outlier& o) { return beside_an_event(d, o, rough); });
 }
 
 Expected<Diagnosis> begin(const Request& request, const Control& control) {
@@ -264,16 +272,50 @@ void find_path(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted
   }
 }
 
-/// True where the effects found leave much less noise: then what was weighed and judged by it has
+/// What the effects found say of the data: that repeats differ much less without them, or that
+/// readings which were set aside were none to set aside.
+struct Reweighed {
+  Weighed weighed;
+  std::vector<estimation::Outlier> outliers;
+  std::string why;
+};
+
+Expected<std::optional<Reweighed>> reweigh_by(const Diagnosis& d, const Reference& current,
+                                              const Options& options) {
+  constexpr std::size_t kFewest = 3;  // readings that come back
+  Reweighed result;
+  result.outliers = d.outliers.empty() ? d.outliers : not_reached(d, current.model);
+  const std::size_t back = d.outliers.size() - result.outliers.size();
+  if (back >= kFewest) {
+    const auto data = std::make_shared<const estimation::DataSet>(
+        thinned(whole_data(d, result.outliers), options.max_frames_per_block));
+    auto found = make_reference(current.model, data, {});
+    if (!found) return tl::unexpected(found.error());
+    std::tie(result.weighed.noise, result.weighed.data) =
+        reweigh(data, data->rows(), found->fit.residuals);
+    result.why = std::to_string(back) + " readings are reached that were set aside: weighed anew";
+    return result;
+  }
+  auto weighed = weigh_without(d.data, d.noise, current);
+  if (!weighed) return std::nullopt;
+  result.outliers = d.outliers;
+  result.why =
+      "repeats differ by " + in_percent(weighed->quieter) + " of what they did: weighed anew";
+  result.weighed = std::move(*weighed);
+  return result;
+}
+
+/// True where what was found changes what the data are worth: then what was weighed and judged has
 /// to be done again, from the baseline on.
 bool begin_anew(Diagnosis& d, const Reference& current, const std::vector<Accepted>& accepted,
                 const Request& request) {
   if (accepted.empty()) return false;
-  auto weighed = weigh_without(d.data, d.noise, current);
-  if (!weighed) return false;
-  auto baseline = make_reference(d.baseline.model, weighed->data, {});
+  auto anew = reweigh_by(d, current, request.options);
+  if (anew && !*anew) return false;
+  auto baseline = anew ? make_reference(d.baseline.model, (*anew)->weighed.data, {})
+                       : tl::unexpected(anew.error());
   if (!baseline) {
-    d.checklist.push_back({"WARNING", "the noise that is left without what was found has no say",
+    d.checklist.push_back({"WARNING", "what was found has no say in what the data are worth",
                            baseline.error().message});
     return false;
   }
@@ -281,12 +323,11 @@ bool begin_anew(Diagnosis& d, const Reference& current, const std::vector<Accept
   for (const Accepted& entry : accepted)
     if (found.find(entry.trial.effect->id) == std::string::npos)
       found += (found.empty() ? "" : ", ") + entry.trial.effect->id;
-  d.noise = std::move(weighed->noise);
-  d.data = std::move(weighed->data);
+  d.noise = std::move((*anew)->weighed.noise);
+  d.data = std::move((*anew)->weighed.data);
+  d.outliers = std::move((*anew)->outliers);
   d.baseline = std::move(*baseline);
-  d.path = {step_of("start", "",
-                    request.model.name + "; without " + found + " repeats differ by " +
-                        in_percent(weighed->quieter) + " of what they did: weighed anew",
+  d.path = {step_of("start", "", request.model.name + "; with " + found + " " + (*anew)->why,
                     d.baseline, d)};
   return true;
 }

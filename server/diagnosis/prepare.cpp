@@ -36,19 +36,6 @@ DataSet first_data(const std::vector<Curves>& curves) {
   return data;
 }
 
-DataSet thinned(const DataSet& full, int max_frames) {
-  DataSet data;
-  data.sigma = full.sigma;
-  for (std::size_t i = 0; i < full.curves.size(); ++i) {
-    data.curves.push_back(estimation::thin(full.curves[i], max_frames, full.left_out[i]));
-    std::vector<std::vector<bool>> none;
-    for (std::size_t c = 0; c < data.curves[i].channels.size(); ++c)
-      none.emplace_back(data.curves[i].frame_count(), false);
-    data.left_out.push_back(std::move(none));
-  }
-  return data;
-}
-
 /// A reading below what its neighbours suggest that no good reading of its component exceeds is at
 /// the end of the load cell's range: a flat top, and no misreading.
 void keep_flat_tops(const std::vector<Curves>& curves, std::vector<estimation::Outlier>& outliers) {
@@ -80,6 +67,19 @@ void keep_flat_tops(const std::vector<Curves>& curves, std::vector<estimation::O
 }
 
 }  // namespace
+
+DataSet thinned(const DataSet& full, int max_frames_per_block) {
+  DataSet data;
+  data.sigma = full.sigma;
+  for (std::size_t i = 0; i < full.curves.size(); ++i) {
+    data.curves.push_back(estimation::thin(full.curves[i], max_frames_per_block, full.left_out[i]));
+    std::vector<std::vector<bool>> none;
+    for (std::size_t c = 0; c < data.curves[i].channels.size(); ++c)
+      none.emplace_back(data.curves[i].frame_count(), false);
+    data.left_out.push_back(std::move(none));
+  }
+  return data;
+}
 
 std::pair<estimation::Noise, DataPointer> reweigh(const DataPointer& data,
                                                   const std::vector<estimation::Row>& rows,

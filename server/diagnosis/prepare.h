@@ -20,6 +20,9 @@ struct Prepared {
 
 Expected<Prepared> prepare(const Request& request, const Control& control);
 
+/// At most so many frames a block, each the mean of its neighbours but for what is left out.
+estimation::DataSet thinned(const estimation::DataSet& full, int max_frames_per_block);
+
 /// Noise from the residuals of a fit, and the data set with its sigmas; the residuals must be of
 /// `data`.
 std::pair<estimation::Noise, DataPointer> reweigh(const DataPointer& data,

@@ -35,9 +35,9 @@ std::string stands_in(double share, double left) {
 }
 
 bool is_a_series(int effects, double first_share) {
-  constexpr int kMany = 4;
-  constexpr double kLittle = 0.4;
-  return effects >= kMany && first_share < kLittle;
+  // three equal causes have a third each, and the first takes some of the others' too
+  const double little = effects >= 4 ? 0.4 : effects == 3 ? 0.3 : 0.0;
+  return first_share < little;
 }
 
 }  // namespace tenter::diagnosis

@@ -81,7 +81,7 @@ void drop_series(Diagnosis& d, Reference& current, std::vector<Accepted>& accept
   const auto first = std::find_if(d.path.begin(), d.path.end(),
                                   [](const PathStep& s) { return s.action == "add"; });
   if (first == d.path.end()) return;
-  const double share = explained_share(d.baseline.fit.chi2, first->chi2, noise_chi2(d));
+  const double share = explained_share(d.baseline.fit.chi2, first->chi2, current.fit.chi2);
   if (!is_a_series(static_cast<int>(ids.size()), share)) return;
   current = d.baseline;
   accepted.clear();
@@ -89,7 +89,7 @@ void drop_series(Diagnosis& d, Reference& current, std::vector<Accepted>& accept
     d.path.push_back(step_of("drop", id,
                              "of " + std::to_string(ids.size()) + " effects the first explains " +
                                  in_percent(share) +
-                                 " of what is missed: terms of a series, no causes",
+                                 " of what all explain: terms of a series, no causes",
                              current, d));
 }
 

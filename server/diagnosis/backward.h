@@ -34,8 +34,8 @@ void go_backward(Diagnosis& d, Reference& current, std::vector<Accepted>& accept
 /// `d.extended` and `d.last_screen` are those of `current`.
 void drop_stand_ins(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted);
 
-/// Many effects, and the one that explained most of what was missed explained little of it: they
-/// are terms of a series for something that the catalogue lacks, and none gets a name.
+/// Many effects, and the first, which is the best one alone, explained little of what they explain
+/// together: terms of a series for something that the catalogue lacks, and none gets a name.
 void drop_series(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted);
 
 }  // namespace tenter::diagnosis

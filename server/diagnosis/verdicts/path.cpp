@@ -35,9 +35,9 @@ std::string stands_in(double share, double left) {
 }
 
 bool is_a_series(int effects, double first_share) {
-  // three equal causes have a third each, and the first takes some of the others' too
-  const double little = effects >= 4 ? 0.4 : effects == 3 ? 0.3 : 0.0;
-  return first_share < little;
+  constexpr int kMany = 3;
+  constexpr double kLittle = 0.4;  // three equal causes: a third, and some of what others share
+  return effects >= kMany && first_share < kLittle;
 }
 
 }  // namespace tenter::diagnosis

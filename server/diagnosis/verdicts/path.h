@@ -22,9 +22,9 @@ std::string made_needless(const Reference& reduced, const Reference& whole);
 /// in for something that the catalogue lacks. "" where it explained enough.
 std::string stands_in(double share, double left);
 
-/// Whether so many different effects, of which the first explained `first_share` of what the
-/// baseline missed beyond the noise, are terms of a series rather than causes: of one or two causes
-/// the larger explains more, and what is left is the other's.
+/// Whether so many different effects, of which the first explained `first_share` of what all of
+/// them explain, are terms of a series rather than causes: of one or two causes the larger explains
+/// more, and what is left is the other's.
 bool is_a_series(int effects, double first_share);
 
 }  // namespace tenter::diagnosis

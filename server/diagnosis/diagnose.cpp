@@ -282,11 +282,11 @@ struct Reweighed {
 
 Expected<std::optional<Reweighed>> reweigh_by(const Diagnosis& d, const Reference& current,
                                               const Options& options) {
-  constexpr std::size_t kFewest = 3;  // readings that come back
+  constexpr std::size_t kFewest = 3;  // readings that come back, and half of those set aside
   Reweighed result;
   result.outliers = d.outliers.empty() ? d.outliers : not_reached(d, current.model);
   const std::size_t back = d.outliers.size() - result.outliers.size();
-  if (back >= kFewest) {
+  if (back >= kFewest && back >= result.outliers.size()) {
     const auto data = std::make_shared<const estimation::DataSet>(
         thinned(whole_data(d, result.outliers), options.max_frames_per_block));
     auto found = make_reference(current.model, data, {});

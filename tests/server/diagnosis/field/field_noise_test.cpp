@@ -14,15 +14,15 @@ namespace {
 
 /// Of positions, where what is left of them is white and `times` what is stated.
 FieldNoise::Kind shown_where_scatter_is(double times) {
-  testing::SheetTruth truth{.model = testing::compliant_cloth(), .protocols = {"stretch_u"}};
-  truth.cells = 4;
+  const testing::SheetTruth truth{.model = testing::compliant_cloth(), .protocols = {"stretch_u"}};
   const FieldData data = data_of(sheets_of(truth, testing::compliant_cloth()));
   const auto at = predict_field(truth.model, data, {}, {});
   if (!at) throw std::runtime_error(at.error().message);
   Normal normal(7);
   Eigen::VectorXd residuals(static_cast<Eigen::Index>(at->rows.size()));
   for (double& r : residuals) r = times * normal();
-  for (const FieldNoise::Kind& kind : estimate_field_noise(data, at->rows, residuals).kinds)
+  const FieldNoise noise = estimate_field_noise(data, at->rows, residuals);
+  for (const FieldNoise::Kind& kind : noise.kinds)
     if (kind.kind == estimation::ObservationKind::position) return kind;
   throw std::runtime_error("the sheet has no positions");
 }

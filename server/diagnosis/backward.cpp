@@ -93,4 +93,41 @@ void drop_series(Diagnosis& d, Reference& current, std::vector<Accepted>& accept
                              current, d));
 }
 
+void keep_better_path(Diagnosis& d, const Reference& first, std::vector<Accepted> found,
+                      Reference& current, std::vector<Accepted>& accepted) {
+  std::vector<std::string> order;  // of the effects, as they were found
+  for (const Accepted& entry : found)
+    if (std::find(order.begin(), order.end(), entry.trial.effect->id) == order.end())
+      order.push_back(entry.trial.effect->id);
+  std::vector<Reference> steps;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    model::Model model = first.model;
+    for (std::size_t later = i + 1; later < order.size(); ++later)
+      model = without(model, order[later], d.baseline.model);
+    auto step = make_reference(model, d.data, {});
+    if (!step) return;
+    steps.push_back(std::move(*step));
+  }
+  if (steps.empty()) return;
+  const double rows = std::max(steps.back().fit.effective_rows, current.fit.effective_rows);
+  const auto criterion = [&](const Reference& at, std::size_t effects) {
+    return information(at.fit.chi2, free_count(at.model), static_cast<int>(effects), rows);
+  };
+  if (criterion(steps.back(), order.size()) >= criterion(current, effects_of(accepted).size()))
+    return;
+  d.path.resize(1);  // the start
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    for (Accepted& entry : found) {
+      if (entry.trial.effect->id != order[i]) continue;
+      entry.before_chi2 = i == 0 ? d.baseline.fit.chi2 : steps[i - 1].fit.chi2;
+      entry.trial.model = steps[i].model;
+      entry.trial.fit = steps[i].fit;
+      entry.trial.block_chi2 = steps[i].block_chi2;
+    }
+    d.path.push_back(step_of("add", order[i], "as found before", steps[i], d));
+  }
+  current = std::move(steps.back());
+  accepted = std::move(found);
+}
+
 }  // namespace tenter::diagnosis

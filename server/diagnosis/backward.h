@@ -38,4 +38,10 @@ void drop_stand_ins(Diagnosis& d, Reference& current, std::vector<Accepted>& acc
 /// together: terms of a series for something that the catalogue lacks, and none gets a name.
 void drop_series(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted);
 
+/// Of two paths to the same data, one of which was found before these were weighed anew, the one
+/// that the information criterion prefers: `current` and `accepted`, or the effects `found` with
+/// the model `first`, which is fitted again then, one effect after the other.
+void keep_better_path(Diagnosis& d, const Reference& first, std::vector<Accepted> found,
+                      Reference& current, std::vector<Accepted>& accepted);
+
 }  // namespace tenter::diagnosis

@@ -353,9 +353,10 @@ Expected<Diagnosis> diagnose(const Request& request, const Control& control) {
   std::vector<Accepted> accepted;
   find_path(d, current, accepted, request, excitation, control);
   if (begin_anew(d, current, accepted, request)) {
-    current = d.baseline;
-    accepted.clear();
+    const Reference first = std::exchange(current, d.baseline);
+    std::vector<Accepted> found = std::exchange(accepted, {});
     find_path(d, current, accepted, request, excitation, control);
+    keep_better_path(d, first, std::move(found), current, accepted);
   }
   if (control.stop.stop_requested())
     return fail(ErrorKind::cancelled, "stopped while effects were being tried");

@@ -50,6 +50,26 @@ TEST(Diagnose, TakesReadingsBackThatWhatItFoundReaches) {
   EXPECT_NEAR(d->verdicts.front().size, truth, 0.01 * truth);
 }
 
+TEST(Diagnose, KeepsWhatItFoundFirstWhereThatIsBetter) {
+  twin::TwinCase hidden;
+  hidden.seed = 1001;
+  hidden.suite = "rich";
+  hidden.effects = {"poisson_coupling", "load_cell_drift:x"};
+  hidden.size = 3.0;
+  Request request = testing::request_of(hidden);
+  request.options.effects = {"poisson_coupling", "load_cell_drift", "plastic_set", "viscosity"};
+  request.options.null_twins = 50;
+  const auto d = diagnose(request, {});
+  ASSERT_TRUE(d) << d.error().message;
+  EXPECT_NE(d->path.front().why.find("weighed anew"), std::string::npos) << d->path.front().why;
+  // weighed anew, plastic set comes first, and viscosity after it
+  ASSERT_EQ(d->path.size(), 3U);
+  EXPECT_EQ(d->path.back().why, "as found before");
+  ASSERT_EQ(d->verdicts.size(), 2U);
+  EXPECT_EQ(d->verdicts[0].effect, "load_cell_drift");
+  EXPECT_EQ(d->verdicts[1].effect, "poisson_coupling");
+}
+
 TEST(WeighWithout, LeavesTheNoiseAloneWhereRepeatsDifferAsMuch) {
   twin::TwinCase plain;
   plain.seed = 7;

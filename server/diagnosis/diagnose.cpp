@@ -132,7 +132,7 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
   }
 }
 
-/// Each effect against those that it is mistaken for, now that the others are there too.
+/// Each effect against those that might stand in its place, now that the others are there too.
 void exchange(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
               const Request& request, const Excitation& excitation, const Control& control) {
   if (accepted.size() < 2) return;
@@ -146,7 +146,7 @@ void exchange(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
       could_not_refit_without(d, effect.id, reduced.error());
       continue;
     }
-    auto better = better_neighbour(d, effect, *reduced, current, excitation, options);
+    auto better = better_in_place_of(effect, d, *reduced, current, excitation, options);
     if (!better) continue;
     Accepted entry;
     entry.before_chi2 = reduced->fit.chi2;

@@ -8,16 +8,25 @@
 namespace tenter::diagnosis {
 namespace {
 
-TEST(Diagnose, MeasuresTheNoiseWithoutTheDriftThatItFound) {
+twin::TwinCase hiding(unsigned seed, std::vector<std::string> effects, double size) {
   twin::TwinCase hidden;
-  hidden.seed = 101;
+  hidden.seed = seed;
   hidden.suite = "rich";
-  hidden.effects = {"load_cell_drift:x"};
-  hidden.size = 10.0;
+  hidden.effects = std::move(effects);
+  hidden.size = size;
+  return hidden;
+}
+
+Expected<Diagnosis> diagnosed(const twin::TwinCase& hidden, std::vector<std::string> tried) {
   Request request = testing::request_of(hidden);
-  request.options.effects = {"load_cell_drift", "load_cell_gain", "load_cell_offset"};
+  request.options.effects = std::move(tried);
   request.options.null_twins = 50;
-  const auto d = diagnose(request, {});
+  return diagnose(request, {});
+}
+
+TEST(Diagnose, MeasuresTheNoiseWithoutTheDriftThatItFound) {
+  const auto d = diagnosed(hiding(101, {"load_cell_drift:x"}, 10.0),
+                           {"load_cell_drift", "load_cell_gain", "load_cell_offset"});
   ASSERT_TRUE(d) << d.error().message;
   EXPECT_NE(d->path.front().why.find("weighed anew"), std::string::npos) << d->path.front().why;
   ASSERT_EQ(d->verdicts.size(), 1U);
@@ -29,18 +38,11 @@ TEST(Diagnose, MeasuresTheNoiseWithoutTheDriftThatItFound) {
 }
 
 TEST(Diagnose, TakesReadingsBackThatWhatItFoundReaches) {
-  twin::TwinCase hidden;
-  hidden.seed = 601;
-  hidden.suite = "rich";
-  hidden.effects = {"first_cycle_softening"};
-  hidden.size = 10.0;
-  Request request = testing::request_of(hidden);
-  request.options.effects = {"first_cycle_softening", "nonlinear_stiffness"};
-  request.options.null_twins = 50;
-  const auto prepared = prepare(request, {});
+  const twin::TwinCase hidden = hiding(601, {"first_cycle_softening"}, 10.0);
+  const auto prepared = prepare(testing::request_of(hidden), {});
   ASSERT_TRUE(prepared);
   ASSERT_GE(prepared->outliers.size(), 10U);  // where the first pull turns
-  const auto d = diagnose(request, {});
+  const auto d = diagnosed(hidden, {"first_cycle_softening", "nonlinear_stiffness"});
   ASSERT_TRUE(d) << d.error().message;
   EXPECT_TRUE(d->outliers.empty());
   EXPECT_EQ(d->data->rows().size(), prepared->data->rows().size() + prepared->outliers.size());
@@ -51,15 +53,8 @@ TEST(Diagnose, TakesReadingsBackThatWhatItFoundReaches) {
 }
 
 TEST(Diagnose, KeepsWhatItFoundFirstWhereThatIsBetter) {
-  twin::TwinCase hidden;
-  hidden.seed = 1001;
-  hidden.suite = "rich";
-  hidden.effects = {"poisson_coupling", "load_cell_drift:x"};
-  hidden.size = 3.0;
-  Request request = testing::request_of(hidden);
-  request.options.effects = {"poisson_coupling", "load_cell_drift", "plastic_set", "viscosity"};
-  request.options.null_twins = 50;
-  const auto d = diagnose(request, {});
+  const auto d = diagnosed(hiding(1001, {"poisson_coupling", "load_cell_drift:x"}, 3.0),
+                           {"poisson_coupling", "load_cell_drift", "plastic_set", "viscosity"});
   ASSERT_TRUE(d) << d.error().message;
   EXPECT_NE(d->path.front().why.find("weighed anew"), std::string::npos) << d->path.front().why;
   // weighed anew, plastic set comes first, and viscosity after it

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "common/base/sha256.h"
+#include "server/jobs/store/files.h"
 #include "server/jobs/worker/worker_main.h"
 
 namespace {
@@ -26,14 +27,17 @@ namespace {
 using nlohmann::json;
 using namespace tenter;
 
-/// Counts its attempts in a checkpoint, and dies until there were enough.
-void count_attempts(const json& fake, const std::filesystem::path& checkpoints) {
-  if (!fake.contains("count_to")) return;
+/// Counts its attempts in a checkpoint, and dies until there were enough. The count is written
+/// whole or not at all: whoever sees it may kill the worker at once.
+Expected<void> count_attempts(const json& fake, const std::filesystem::path& checkpoints) {
+  if (!fake.contains("count_to")) return {};
   std::filesystem::create_directories(checkpoints);
   int count = 0;
   std::ifstream(checkpoints / "count") >> count;
-  std::ofstream(checkpoints / "count") << ++count;
+  auto kept = jobs::write_file_durably(checkpoints / "count", std::to_string(++count));
+  if (!kept) return kept;
   if (count < fake["count_to"].get<int>()) ::raise(SIGABRT);
+  return {};
 }
 
 void die_if_asked(const json& fake) {
@@ -55,7 +59,7 @@ Expected<void> run_fake(const jobs::JobInput& input,
   std::fprintf(stderr, "fake worker runs\n");
   report({"start", "pid " + std::to_string(::getpid()), 0, 0, 0});
   die_if_asked(fake);
-  count_attempts(fake, input.checkpoints);
+  if (auto counted = count_attempts(fake, input.checkpoints); !counted) return counted;
   if (fake.value("flood", false)) {
     for (int i = 0; i < 20000; ++i)
       report({"flood " + std::to_string(i), std::string(500, 'x'), i, 1.0, 0.5});

@@ -200,7 +200,7 @@ const std::vector<CorrectionRow>& correction_catalogue() {
       {"saturation", {{"share", "1", 0.0, 2.0, 0.0}, {"cap", "N", kNone, kNone, 0.0}}, "the channel loses a share of what is above a cap; 1: a flat top", Seen::sheets},
       {"camera_scale", {{"scale", "1", 0.0, kNone, 1.0}}, "points are shown a factor further from the middle of what the first frame saw", Seen::sheets},
       {"camera_pose", {{"turn_x", "rad", kNone, kNone, 0.0}, {"turn_y", "rad", kNone, kNone, 0.0}, {"turn_z", "rad", kNone, kNone, 0.0}, {"shift_x", "m", kNone, kNone, 0.0}, {"shift_y", "m", kNone, kNone, 0.0}, {"shift_z", "m", kNone, kNone, 0.0}}, "points are shown turned by a vector about the middle of what the first frame saw, and shifted: a camera that was moved", Seen::sheets},
-      {"occlusion_bias", {{"length", "m", kNone, kNone, 0.0}}, "points beside hidden ones are shown nearer to the camera by a length", Seen::sheets},
+      {"occlusion_bias", {{"length", "m", kNone, kNone, 0.0}, {"reach", "1", 0.0, kNone, 1.5, true}}, "points beside hidden ones are shown nearer to the camera by a length, those further away than a reach in spacings of the points by ever less", Seen::sheets},
       {"clip_slip", {{"length", "m", kNone, kNone, 0.0}, {"at_frame", "1", 0.0, kNone, 0.0, true}}, "from a frame on the cloth has slipped out of a clip by a length, against its pull", Seen::sheets},
       {"mass_scale", {{"scale", "1", 0.0, kNone, 1.0}}, "the sheet weighs a multiple of what was measured", Seen::sheets},
   };

@@ -9,6 +9,10 @@ Effect occlusion_bias() {
   effect.sheet_variants = [](const model::Model& model, const Excitation& excitation) {
     auto variants = sheet_capture_variants(model, excitation, "occlusion_bias");
     if (variants.size() > 1) variants.resize(1);
+    // how large the cameras' patches are is not known
+    for (Variant& variant : variants)
+      for (const double reach : {1.0, 1.25, 1.5, 2.0, 2.5, 3.0})
+        variant.grid.push_back({{variant.corrections.front().id + ".reach", reach}});
     return variants;
   };
   effect.variants = [](const model::Model&, const Excitation&) { return std::vector<Variant>(); };

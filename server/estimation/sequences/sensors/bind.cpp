@@ -143,7 +143,7 @@ SequenceSensors::Known SequenceSensors::know(const Sequence& sequence) const {
   const bool has_occlusion =
       std::any_of(corrections_.begin(), corrections_.end(),
                   [](const Correction& c) { return c.type == Type::occlusion_bias; });
-  if (has_occlusion) known.beside_hidden = beside_hidden(sequence);
+  if (has_occlusion) known.from_hidden = hidden_distances(sequence);
   return known;
 }
 

@@ -5,6 +5,7 @@
 //                                    + (theta - sin theta)/theta^3 [w]x^2
 #include <cmath>
 
+#include "server/estimation/sequences/sensors/hidden_points.h"
 #include "server/estimation/sequences/sensors/sensor_frame.h"
 
 namespace tenter::estimation {
@@ -41,9 +42,11 @@ void SequenceSensors::show_points(const At& at, Readings& shown) const {
   const auto change = [&](Eigen::Index k) { return shown.by_p.middleRows<3>(3 * k); };
 
   each(Type::occlusion_bias, [&](int own, Eigen::Index k) {
-    if (!known.beside_hidden[at.frame][static_cast<std::size_t>(k)]) return;
-    place(k) += p[own] * at.sequence.camera_axis;
-    if (at.sensitivities) change(k).col(own) += at.sequence.camera_axis;
+    const double share =
+        drawn_share(known.from_hidden[at.frame][static_cast<std::size_t>(k)], p[own + 1]);
+    if (share == 0.0) return;
+    place(k) += share * p[own] * at.sequence.camera_axis;
+    if (at.sensitivities) change(k).col(own) += share * at.sequence.camera_axis;
   });
   each(Type::camera_pose, [&](int own, Eigen::Index k) {
     const Eigen::Vector3d w = p.segment<3>(own);

@@ -41,7 +41,7 @@ double spacing_m(const std::vector<Eigen::Vector2d>& places_m) {
   return *middle;
 }
 
-std::vector<std::vector<bool>> beside_hidden(const Sequence& sequence) {
+std::vector<std::vector<double>> hidden_distances(const Sequence& sequence) {
   const MaterialLocator locator(sequence.cloth.mesh);
   std::vector<Eigen::Vector2d> points;
   std::vector<MaterialLocation> locations;
@@ -49,8 +49,9 @@ std::vector<std::vector<bool>> beside_hidden(const Sequence& sequence) {
     points.push_back(point.material_m);
     locations.push_back(locator.locate(point.material_m).value_or(MaterialLocation{}));
   }
-  const double reach = 1.5 * (sequence.spacing_m > 0.0 ? sequence.spacing_m : spacing_m(points));
-  std::vector<std::vector<bool>> beside;
+  const double spacing = sequence.spacing_m > 0.0 ? sequence.spacing_m : spacing_m(points);
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  std::vector<std::vector<double>> distances;
   for (const SequenceFrame& frame : sequence.frames) {
     const auto is_fixed =
         fixed_nodes(sequence, sequence.boundaries[static_cast<std::size_t>(frame.boundary)]);
@@ -60,13 +61,18 @@ std::vector<std::vector<bool>> beside_hidden(const Sequence& sequence) {
       is_seen[k] = !frame.points_m.col(static_cast<Eigen::Index>(k)).array().isNaN().all();
       if (!is_seen[k] && !locations[k].lies_on(is_fixed)) hidden.push_back(points[k]);
     }
-    auto& of_frame = beside.emplace_back(points.size(), false);
+    auto& of_frame = distances.emplace_back(points.size(), kNone);
     for (std::size_t k = 0; k < points.size(); ++k)
-      of_frame[k] = is_seen[k] && std::any_of(hidden.begin(), hidden.end(), [&](const auto& place) {
-                      return (points[k] - place).norm() <= reach;
-                    });
+      for (const Eigen::Vector2d& place : hidden)
+        if (is_seen[k] && spacing > 0.0)
+          of_frame[k] = std::min(of_frame[k], (points[k] - place).norm() / spacing);
   }
-  return beside;
+  return distances;
+}
+
+double drawn_share(double distance, double reach) {
+  if (!(reach > 0.0)) return 0.0;
+  return std::clamp((1.25 - distance / reach) / 0.5, 0.0, 1.0);
 }
 
 }  // namespace tenter::estimation

@@ -13,7 +13,8 @@
 //
 // A point x shows, with c the middle of what the first frame saw and a the sequence's camera_axis,
 //
-//   x1 = x + length a     occlusion_bias; in frames that did not see a neighbour (hidden_points.h)
+//   x1 = x + share length a                           occlusion_bias; the share of a point's
+//                                                     distance to hidden ones (hidden_points.h)
 //   x2 = c + R(turn) (x1 - c) + shift                 camera_pose
 //   shown = c + scale (x2 - c)                        camera_scale
 //
@@ -111,7 +112,7 @@ class SequenceSensors {
     std::vector<double> clock_s;
     std::vector<std::vector<double>> motion;  ///< [force][frame]: s of its cord
     Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
-    std::vector<std::vector<bool>> beside_hidden;  ///< [frame][point]
+    std::vector<std::vector<double>> from_hidden;  ///< [frame][point], in spacings
   };
   struct At;  ///< a frame of a sequence, with what is asked of it
 

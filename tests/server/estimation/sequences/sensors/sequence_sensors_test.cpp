@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "common/model/document.h"
 #include "server/estimation/fit.h"
@@ -39,7 +40,7 @@ const Added kEvery[] = {{"offset", "pull", {0.02}},
                         {"saturation", "pull", {0.6, 0.11}},
                         {"camera_scale", "", {1.012}},
                         {"camera_pose", "", {0.03, -0.02, 0.05, 0.001, -0.002, 0.0015}},
-                        {"occlusion_bias", "", {0.0007}},
+                        {"occlusion_bias", "", {0.0007, 2.0}},
                         {"clip_slip", "pull", {0.0011, 3.0}},
                         {"mass_scale", "", {1.2}}};
 
@@ -69,10 +70,11 @@ void expect_differences(const model::Model& model, const std::vector<Sequence>& 
   }
 }
 
-/// All parameters but at_frame, which has no derivative.
+/// All parameters but at_frame and reach, which have no derivative.
 std::vector<int> columns_of(const Added& added, int first) {
   std::vector<int> columns = {first};
-  if (std::string(added.type) == "clip_slip") return columns;
+  const std::string type = added.type;
+  if (type == "clip_slip" || type == "occlusion_bias") return columns;
   for (int k = 1; k < static_cast<int>(added.values.size()); ++k) columns.push_back(first + k);
   return columns;
 }
@@ -214,35 +216,45 @@ TEST(SequenceSensors, CamerasMoveWhatTheySeeAboutTheMiddle) {
   EXPECT_LT(
       (place(model, 7, 3) - middle - shift - mechanics::rotation_of(turn) * (bare - middle)).norm(),
       1e-9);
-  // point 4 hides in frame 2: the eight about it are drawn; in frame 3 none is
+  // point 4 hides in frame 2: those about it are drawn; in frame 3 none is
   model = sheet_model(false);
-  add_correction(model, "occlusion_bias", "", {0.004});
+  add_correction(model, "occlusion_bias", "", {0.004, 2.0});
   EXPECT_LT(
       (place(model, 7, 2) - place(sheet_model(false), 7, 2) - Eigen::Vector3d(0, 0, 0.004)).norm(),
       1e-9);
   EXPECT_LT((place(model, 7, 3) - bare).norm(), 1e-9);
 }
 
-/// Also beside what is no channel; places that are held are not hidden.
-TEST(SequenceSensors, NeighboursOfWhatAFrameDidNotSee) {
+/// Also from what is no channel; places that are held are not hidden. Spacing: 0.02 m.
+TEST(SequenceSensors, DistancesToWhatAFrameDidNotSee) {
   Sequence sequence = six_by_six("one");
-  const auto count = [&](std::size_t frame) {
-    const auto beside = beside_hidden(sequence);
-    return std::count(beside[frame].begin(), beside[frame].end(), true);
+  const auto count = [&](std::size_t frame, double most) {
+    const auto distances = hidden_distances(sequence);
+    return std::count_if(distances[frame].begin(), distances[frame].end(),
+                         [&](double distance) { return distance <= most; });
   };
-  EXPECT_EQ(count(1), 0);
-  EXPECT_EQ(count(2), 8);
+  EXPECT_EQ(count(1, 100.0), 0);
+  EXPECT_EQ(count(2, 1.5), 8);
+  EXPECT_EQ(count(2, 1.01), 4);
   sequence.frames[1].hidden_m = {{0.03, 0.01}};  // beside (0.03, 0.03) and (0.05, 0.03)
-  EXPECT_EQ(count(1), 2);
+  EXPECT_EQ(count(1, 1.5), 2);
   sequence.spacing_m = 0.01;
-  EXPECT_EQ(count(1), 0);
-  EXPECT_EQ(count(2), 0);
+  EXPECT_EQ(count(1, 1.5), 0);
+  EXPECT_EQ(count(2, 1.5), 0);
   sequence.spacing_m = 0.0;
   const auto middle = static_cast<int>(6 * 2 + 2);
   sequence.boundaries[0].held = {middle, middle + 1, middle + 6, middle + 7};
-  EXPECT_EQ(count(2), 0);
+  EXPECT_EQ(count(2, 100.0), 0);
   EXPECT_NEAR(spacing_m({{0.0, 0.0}, {0.3, 0.0}, {0.0, 0.1}, {0.0, 0.25}, {0.31, 0.02}}), 0.1,
               1e-12);
+}
+
+TEST(SequenceSensors, ABiasReachesAsFarAsPatchesDo) {
+  EXPECT_EQ(drawn_share(1.5, 2.0), 1.0);
+  EXPECT_DOUBLE_EQ(drawn_share(2.0, 2.0), 0.5);
+  EXPECT_EQ(drawn_share(2.5, 2.0), 0.0);
+  EXPECT_EQ(drawn_share(std::numeric_limits<double>::infinity(), 2.0), 0.0);
+  EXPECT_EQ(drawn_share(0.0, 0.0), 0.0);
 }
 
 TEST(SequenceSensors, OneSequenceMayHaveACorrectionOfItsOwn) {

@@ -106,6 +106,10 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
       judge(trials[i], current, d.data, found.expected_chi2);
       if (current.fit.chi2 - trials[i].fit.chi2 < kLeastOfSteps * steps)
         trials[i].objections.push_back("the steps of the readings are much larger");
+      if (std::ranges::count(added, trials[i].effect->id) == 0 &&
+          is_within_form(current.fit.chi2 - trials[i].fit.chi2,
+                         d.baseline.fit.chi2 - current.fit.chi2, kFormOfCurves))
+        trials[i].objections.push_back("it is no more than the form of what was found may miss");
       if (trials[i].objections.empty()) {
         chosen = i;
       } else {

@@ -268,6 +268,29 @@ std::string measure_family(const model::Model& model) {
   return "green";
 }
 
+namespace {
+
+/// Fibres across the diagonals feel both stretches, or a shear that is imposed. Where a strip was
+/// pulled and nobody looked how it narrows, what they feel is the stiffness across, which such
+/// pulls do not tell.
+bool knows_diagonals(const Excitation& excitation) {
+  constexpr double kSheared = 1e-3;
+  if (excitation.sheet) return true;
+  return std::ranges::any_of(excitation.curves, [](const estimation::Curves& curves) {
+    const auto is_known = [&](int component) {
+      return !curves.path.is_free[static_cast<std::size_t>(component)] ||
+             std::ranges::any_of(curves.channels, [&](const auto& channel) {
+               return !channel.is_stress && channel.component == component;
+             });
+    };
+    const bool is_sheared = std::ranges::any_of(
+        curves.path.q, [](const Eigen::Vector3d& q) { return std::abs(q[2]) > kSheared; });
+    return (is_known(0) && is_known(1)) || (is_known(2) && is_sheared);
+  });
+}
+
+}  // namespace
+
 std::vector<Place> places(const model::Model& model, const Excitation& excitation,
                           bool both_families) {
   constexpr double kDiagonal = 0.78539816339744831;
@@ -290,7 +313,8 @@ std::vector<Place> places(const model::Model& model, const Excitation& excitatio
     add("weft", family + "_u", 0.0);
     add("warp", family + "_v", 0.0);
     if (&family == &families.front()) add("shear", "green_uv", 0.0);
-    add("diagonal", family == "green" ? "green_fibre_pair" : "fibre_pair", kDiagonal);
+    if (knows_diagonals(excitation))
+      add("diagonal", family == "green" ? "green_fibre_pair" : "fibre_pair", kDiagonal);
   }
   if (excitation.sheet) {
     add("bend_weft", "bend_u", 0.0);

@@ -105,6 +105,9 @@ struct Effect {
   bool needs_rate = false;   ///< without time or rate at most AMBIGUOUS
   /// Another effect, of which this is a sharper form: where both do alike the other is the word.
   std::string special_form_of = {};
+  /// Endings of parameters of which one must be off its bounds: without it the extension is
+  /// something else's.
+  std::vector<std::string> hallmarks = {};
   std::vector<std::string> mistaken_for;
   NextProtocol split_by;  ///< the protocol that excites it and tells it from its neighbours
   /// Ways to extend this model; empty: nothing to add.

@@ -72,8 +72,9 @@ void take(const SearchResult& found, FitResult& result) {
   result.message = describe(found.end);
 }
 
-/// Makes the objective small from `x` on by the method that was asked for.
-void search(Objective& objective, const Bounds& bounds, const FitOptions& options,
+/// Makes the objective small from `x` on by the method that was asked for; false where it cannot
+/// begin.
+bool search(Objective& objective, const Bounds& bounds, const FitOptions& options,
             Eigen::VectorXd& x, FitResult& result) {
   const SearchOptions how{options.max_iterations, options.tolerance, options.on_iteration};
   switch (options.method) {
@@ -83,7 +84,7 @@ void search(Objective& objective, const Bounds& bounds, const FitOptions& option
       result.stopped = found.stopped;
       result.converged = found.converged;
       result.message = std::move(found.message);
-      break;
+      return !found.failed;
     }
     case FitMethod::bounded_marquardt:
       take(minimise_by_bounded_marquardt(objective, bounds.lower, bounds.upper, how, x), result);
@@ -96,6 +97,7 @@ void search(Objective& objective, const Bounds& bounds, const FitOptions& option
       break;
     }
   }
+  return true;
 }
 
 FitResult fit_in_box(ResidualFunction& evaluator, const model::Model& start,
@@ -126,7 +128,14 @@ FitResult fit_in_box(ResidualFunction& evaluator, const model::Model& start,
     evaluator.set_accuracy(Accuracy::stepping);
     Objective objective(evaluator, all, free, scale, weights, options.loss);
     const Bounds bounds = bounds_of(parameters, free, scale);
-    search(objective, bounds, options, x, result);
+    if (!search(objective, bounds, options, x, result)) {
+      result.message =
+          "the model has no derivatives at the start values; where a direction is left free, a "
+          "term "
+          "must resist it";
+      evaluator.set_accuracy(Accuracy::exact);
+      return result;
+    }
     for (std::size_t i = 0; i < free.size(); ++i)
       all[free[i]] = x[static_cast<Eigen::Index>(i)] * scale[static_cast<Eigen::Index>(i)];
   } else {

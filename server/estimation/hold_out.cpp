@@ -128,12 +128,16 @@ HeldOut cross_validate(ResidualFunction& evaluator, const model::Model& model, c
   result.residuals =
       Eigen::VectorXd::Constant(evaluator.row_count(), std::numeric_limits<double>::quiet_NaN());
   result.left_out = Eigen::VectorXd::Zero(evaluator.row_count());
-  for (const Eigen::VectorXd& training : folds.training) {
+  for (std::size_t k = 0; k < folds.training.size(); ++k) {
+    const Eigen::VectorXd& training = folds.training[k];
     FitOptions fold = options;
     fold.weights = training;
     if (options.weights.size() > 0) fold.weights = training.cwiseProduct(options.weights);
     const FitResult fitted = fit(evaluator, model, fold);
-    if (!fitted.usable) return result;
+    if (!fitted.usable) {
+      result.failed_fold = static_cast<int>(k);
+      return result;
+    }
     for (Eigen::Index r = 0; r < training.size(); ++r)
       if (training[r] == 0.0) {
         result.residuals[r] = fitted.residuals[r];

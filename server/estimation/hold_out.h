@@ -40,6 +40,7 @@ std::vector<std::size_t> added_parameters(const model::Model& larger, const mode
 
 struct HeldOut {
   bool usable = false;
+  int failed_fold = -1;  ///< the first whose refit failed: nothing is said of it and later ones
   double chi2 = 0.0;
   Eigen::VectorXd residuals;  ///< whitened, each row from the fit that did not see it; NaN where no
                               ///< fold left it out

@@ -128,14 +128,15 @@ void add_look_alikes(const Screen& screen, const Chain& chain, FieldFinding& fin
   }
 }
 
-/// Whether another effect than those that are in adds no more than their form may miss.
-bool is_form_of_what_is_in(const Trial& trial, const Chain& chain) {
+std::string objection_of_kinds(const Trial& trial, const Chain& chain) {
+  const auto misfit = [&](const estimation::FitResult& fit) {
+    return misfit_of(chain.d.data.sequences, chain.current.rows, fit.residuals);
+  };
   const bool is_more_of_one =
       std::any_of(chain.accepted.begin(), chain.accepted.end(),
                   [&](const FieldFinding& f) { return f.trial.effect == trial.effect; });
-  const double now = chain.current.at.fit.chi2;
-  return !is_more_of_one &&
-         is_within_form(now - trial.fit.chi2, chain.d.baseline.at.fit.chi2 - now);
+  return objection_by_kind(misfit(chain.d.baseline.at.fit), misfit(chain.current.at.fit),
+                           misfit(trial.fit), is_more_of_one);
 }
 
 /// Forward: one effect at a time, the best that passes, until none does.
@@ -166,8 +167,8 @@ Expected<void> go_forward(Chain& chain) {
                             trial.fit.chi2, fraction + 0.06});
       judge_field(trials[i], chain.current, d.data, chain.held_out_sheets(), found->expected_chi2,
                   field_options(chain.control));
-      if (is_form_of_what_is_in(trial, chain))
-        trial.objections.push_back("it is no more than the form of what was found may miss");
+      if (std::string why = objection_of_kinds(trial, chain); !why.empty())
+        trial.objections.push_back(std::move(why));
       if (trial.objections.empty()) {
         chosen = i;
         continue;

@@ -151,11 +151,17 @@ std::string held_out_objection(FieldTrial& trial, const FieldFit& before, const 
     // speak neither for nor against it: then parts of what was fitted judge, left out in turn
   }
   const FieldFit larger = fit_of(trial, before);
-  const estimation::Folds folds =
-      telling_folds(larger, before, data, !trial.trial.effect->in_every_run);
+  estimation::Folds folds = telling_folds(larger, before, data, !trial.trial.effect->in_every_run);
   if (folds.training.empty()) return "there is nothing that could be left out";
-  const estimation::HeldOut after = cross_validate_field(larger, data, folds, options);
-  const estimation::HeldOut earlier = cross_validate_field(before, data, folds, options);
+  estimation::HeldOut after, earlier;
+  // the others judge where a sheet comes to no rest without some part of the data
+  for (bool is_done = false; !is_done;) {
+    after = cross_validate_field(larger, data, folds, options);
+    earlier = after.usable ? cross_validate_field(before, data, folds, options) : after;
+    const int failed = earlier.failed_fold;
+    is_done = failed < 0 || folds.training.size() <= 2;
+    if (!is_done) folds.training.erase(folds.training.begin() + failed);
+  }
   return compare_held_out(trial.trial, earlier, after, before.rows, data.block_count(), folds.kind,
                           expected_chi2);
 }
@@ -206,6 +212,20 @@ FieldTrial refit_field(const Candidate& candidate, const FieldFit& base, const F
   return result;
 }
 
+std::string objection_by_kind(const Misfit& baseline, const Misfit& before, const Misfit& after,
+                              bool is_more_of_one) {
+  constexpr double kWorse = 0.15;  // of what is gained
+  const auto gained = [&](std::size_t kind) { return before.chi2[kind] - after.chi2[kind]; };
+  const std::size_t shown = gained(0) > gained(1) ? 0 : 1;
+  if (!is_more_of_one &&
+      is_within_form(gained(shown), baseline.chi2[shown] - before.chi2[shown], kFormOfSheets))
+    return "it is no more than the form of what was found may miss";
+  if (-gained(1 - shown) > std::max(kDecisive, kWorse * gained(shown)))
+    return shown == 0 ? "what it explains of the positions it misses of the forces"
+                      : "what it explains of the forces it misses of the positions";
+  return "";
+}
+
 void judge_field(FieldTrial& field, const FieldFit& before, const FieldData& data,
                  const HeldOutSheets& held_out, double expected_chi2,
                  const FieldFitOptions& options) {
@@ -219,8 +239,8 @@ void judge_field(FieldTrial& field, const FieldFit& before, const FieldData& dat
   const int added = std::max(1, trial.parameters - free_count(before.at.model));
   const std::vector<KindChi2> kinds = chi2_by_kind(before, field, data);
   const KindChi2 all = in_noise_left(kinds);
-  trial.p_value = std::min(
-      1.0, trial.variant.searched * f_test(all.before, all.after, added, trial.parameters, rows));
+  trial.p_value = std::min(1.0, trial.variant.searched * f_test(all.before, all.after, added,
+                                                                determined_count(trial.fit), rows));
   trial.explained = explained_share(earlier.chi2, trial.fit.chi2, expected_chi2);
   constexpr double kSmallest = 0.05;  // of the noise's power: what is smaller matters to nobody
   if (share_of_noise(kinds) < kSmallest)

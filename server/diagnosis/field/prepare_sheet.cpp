@@ -31,6 +31,30 @@ FieldData gathered(const SheetRequest& request, bool held_out) {
   return data;
 }
 
+/// A sheet is thinner than it is wide, and so less stiff in bending, E t^3 / 12, than its
+/// membrane's stiffness, E t, times the square of its width. Captures that hardly bend would let it
+/// grow until numbers no longer tell a frame that rests from one that does not.
+void bound_bending(const FieldData& data, model::Model& model) {
+  double membrane_N_per_m = 0.0;
+  for (const model::Term& term : model.terms)
+    for (const model::Parameter& p : term.law.parameters)
+      if (p.unit == "N/m") membrane_N_per_m = std::max(membrane_N_per_m, p.value);
+  double width_m2 = 0.0;
+  for (const estimation::Sequence& sequence : data.sequences) {
+    const Eigen::Matrix2Xd& at = sequence.cloth.mesh.material_m;
+    width_m2 =
+        std::max(width_m2, (at.rowwise().maxCoeff() - at.rowwise().minCoeff()).squaredNorm());
+  }
+  const double most_N_m = membrane_N_per_m * width_m2;
+  if (!(most_N_m > 0.0)) return;
+  for (model::Term& term : model.terms)
+    for (model::Parameter& p : term.law.parameters) {
+      if (p.unit != "N m" || p.fixed) continue;
+      p.upper = std::max(p.lower.value_or(0.0), std::min(p.upper.value_or(most_N_m), most_N_m));
+      p.value = std::min(p.value, *p.upper);
+    }
+}
+
 /// A joint stage of the staged fit: its start is the equation gap's where that is the better one,
 /// and frames without rest are left out.
 Expected<model::Model> started(const SheetRequest& request, const Control& control,
@@ -116,6 +140,7 @@ Expected<SheetDiagnosis> prepare_sheets(const SheetRequest& request, const Contr
   if (d.data.sequences.empty()) return bad_input("all captures are held out: none is left to fit");
   auto model = started(request, control, d);
   if (!model) return tl::unexpected(model.error());
+  bound_bending(d.data, *model);
   FieldFitOptions options = field_options(control);
   options.on_iteration = [&](int iteration, double cost) {
     control.report({"baseline", request.model.name, iteration, cost, 0.06});

@@ -18,6 +18,10 @@ int free_count(const model::Model& model) {
   return count;
 }
 
+int determined_count(const estimation::FitResult& fit) {
+  return static_cast<int>(std::ranges::count(fit.states, ParameterState::free));
+}
+
 std::vector<double> chi2_by_block(const std::vector<estimation::Row>& rows,
                                   const Eigen::VectorXd& residuals, int blocks) {
   std::vector<double> sums(static_cast<std::size_t>(blocks), 0.0);
@@ -119,6 +123,24 @@ double joint_relative_error(const Trial& trial, const std::vector<std::size_t>& 
   return wald > 0.0 ? 1.0 / std::sqrt(wald) : 1e300;
 }
 
+/// An effect whose own parameters are all at their bounds is another one that happens to be written
+/// with the same law.
+void check_hallmarks(const std::vector<std::string>& names, Trial& trial) {
+  const std::vector<std::string>& endings = trial.effect->hallmarks;
+  if (endings.empty() || trial.variant.append.empty()) return;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const bool is_own = std::ranges::any_of(trial.variant.append, [&](const model::Term& term) {
+      return names[i].starts_with(term.id + ".");
+    });
+    const bool is_hallmark = std::ranges::any_of(
+        endings, [&](const std::string& ending) { return names[i].ends_with(ending); });
+    if (is_own && is_hallmark && trial.fit.states[i] == ParameterState::free) return;
+  }
+  std::string all;
+  for (const std::string& ending : endings) all += (all.empty() ? "" : ", ") + ending.substr(1);
+  trial.objections.push_back("what is its own (" + all + ") stands at a bound");
+}
+
 }  // namespace
 
 void check_parameters(Trial& trial) {
@@ -152,6 +174,7 @@ void check_parameters(Trial& trial) {
                                  " %");
   };
   for (const model::Term& term : trial.variant.append) check({{term.id, 0.0}});
+  check_hallmarks(names, trial);
   std::vector<std::pair<std::string, double>> corrections;
   for (const model::SensorCorrection& c : trial.variant.corrections) {
     const model::CorrectionRow* row = nullptr;  // of curves or of sheets
@@ -290,9 +313,8 @@ double criterion_of(const Trial& trial, int added_effects, double rows) {
   return information(trial.fit.chi2, trial.parameters, added_effects, rows) + asked;
 }
 
-bool is_within_form(double gain, double taken) {
-  constexpr double kForm = 0.2;  // of the size, whose square chi2 is
-  return gain < kForm * kForm * taken;
+bool is_within_form(double gain, double taken, double form) {
+  return gain < form * form * taken;  // chi2 is the square of a size
 }
 
 double explained_share(double before, double after, double expected_chi2) {
@@ -307,8 +329,9 @@ void judge(Trial& trial, const Reference& before, const DataPointer& data, doubl
   }
   const double rows = std::max(trial.fit.effective_rows, before.fit.effective_rows);
   const int added = std::max(1, trial.parameters - free_count(before.model));
-  trial.p_value = std::min(1.0, trial.variant.searched * f_test(before.fit.chi2, trial.fit.chi2,
-                                                                added, trial.parameters, rows));
+  trial.p_value =
+      std::min(1.0, trial.variant.searched * f_test(before.fit.chi2, trial.fit.chi2, added,
+                                                    determined_count(trial.fit), rows));
   trial.explained = explained_share(before.fit.chi2, trial.fit.chi2, expected_chi2);
   constexpr double kSmallest = 0.05;  // of the noise's power: what is smaller matters to nobody
   if (before.fit.chi2 - trial.fit.chi2 < kSmallest * expected_chi2)

@@ -86,13 +86,17 @@ std::string compare_held_out(Trial& trial, const estimation::HeldOut& earlier,
                              const std::vector<estimation::Row>& rows, int blocks,
                              const std::string& kind, double expected_chi2);
 
-/// Laws are written otherwise than cloth behaves: a gain in chi2 of effects a fifth as large as
-/// those that took `taken` may be what the form of these misses.
-bool is_within_form(double gain, double taken);
+/// Laws are written otherwise than cloth behaves: a gain in chi2 of effects that are a share `form`
+/// as large as those that took `taken` may be what the form of these misses.
+bool is_within_form(double gain, double taken, double form);
+constexpr double kFormOfCurves = 0.13;
+constexpr double kFormOfSheets = 0.3;  ///< frames are few, and cells are coarse
 
 /// Share of what `before` missed beyond `expected_chi2` that `after` explains.
 double explained_share(double before, double after, double expected_chi2);
 
 int free_count(const model::Model& model);
+/// Of these, those that the data move: none spends what data hold that they do not touch.
+int determined_count(const estimation::FitResult& fit);
 
 }  // namespace tenter::diagnosis

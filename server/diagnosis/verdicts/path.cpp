@@ -20,16 +20,18 @@ PathStep path_step(const std::string& action, const std::string& effect, const s
 
 std::string made_needless(const Reference& reduced, const Reference& whole) {
   const double rows = std::max(whole.fit.effective_rows, reduced.fit.effective_rows);
-  const int parameters = free_count(whole.model);
-  const int added = std::max(1, parameters - free_count(reduced.model));
-  const double p = f_test(reduced.fit.chi2, whole.fit.chi2, added, parameters, rows);
+  const int added = std::max(1, free_count(whole.model) - free_count(reduced.model));
+  const double p =
+      f_test(reduced.fit.chi2, whole.fit.chi2, added, determined_count(whole.fit), rows);
   return p >= 1e-3 ? "what was added later made it needless (p = " + std::to_string(p) + ")" : "";
 }
 
 std::string stands_in(double share, double left) {
-  // more is asked of a name where more stays unexplained
+  // more is asked of a name where more stays unexplained; what came in late, when little was
+  // missed, explains much of little
+  constexpr double kMost = 0.5;
   const double least_share = left > 0.25 ? 0.65 : left > 0.1 ? 0.5 : 0.35;
-  return share < least_share
+  return left > kMost || share < least_share
              ? "it explains little of what is missed, and much stays unexplained: a stand-in"
              : "";
 }

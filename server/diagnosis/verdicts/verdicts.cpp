@@ -179,9 +179,11 @@ bool irreproducible(const Diagnosis& d) {
 }
 
 bool lacks_fit_still(const Diagnosis& d) {
+  // of the noise's power: less, noise that is not alike everywhere has too
+  constexpr double kLeast = 0.125;
   const double expected = noise_chi2(d);
   return (d.last_screen.lack_of_fit > 1.0 || irreproducible(d)) &&
-         d.extended.fit.chi2 > 1.1 * expected;
+         d.extended.fit.chi2 > (1.0 + kLeast) * expected;
 }
 
 void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Excitation& excitation,

@@ -62,10 +62,40 @@ TEST(ExplainedShare, IsOfWhatLiesAboveTheNoise) {
   EXPECT_NEAR(explained_share(200.0, 200.0, 100.0), 0.0, 1e-12);
 }
 
-TEST(WithinForm, IsWhatIsAFifthAsLarge) {
-  EXPECT_TRUE(is_within_form(39.0, 1000.0));
-  EXPECT_FALSE(is_within_form(41.0, 1000.0));
-  EXPECT_FALSE(is_within_form(1.0, 0.0));  // the first effect
+TEST(WithinForm, IsWhatIsSmallBesideWhatWasFound) {
+  EXPECT_TRUE(is_within_form(39.0, 1000.0, 0.2));
+  EXPECT_FALSE(is_within_form(41.0, 1000.0, 0.2));
+  EXPECT_FALSE(is_within_form(1.0, 0.0, 0.2));  // the first effect
+}
+
+TEST(Parameters, WhatTheDataDoNotMoveIsNotSpent) {
+  estimation::FitResult fit;
+  using estimation::ParameterState;
+  fit.states = {ParameterState::free,  ParameterState::flat,     ParameterState::zero_gradient,
+                ParameterState::fixed, ParameterState::at_bound, ParameterState::free};
+  EXPECT_EQ(determined_count(fit), 2);
+}
+
+/// Friction that does not grow is no friction that grows.
+TEST(Parameters, AnEffectHasWhatIsItsOwn) {
+  Trial trial;
+  trial.effect = find_effect("strain_dependent_friction");
+  trial.model.terms.push_back(new_term({}, "friction_weft", "green_u", 0.0, "dahl"));
+  trial.variant.append = trial.model.terms;
+  const auto names = estimation::parameter_names(trial.model);
+  const auto count = static_cast<Eigen::Index>(names.size());
+  trial.fit.parameters = Eigen::VectorXd::Ones(count);
+  trial.fit.std_error = Eigen::VectorXd::Constant(count, 0.01);
+  trial.fit.correlation = Eigen::MatrixXd::Identity(count, count);
+  trial.fit.states.assign(names.size(), estimation::ParameterState::free);
+  check_parameters(trial);
+  EXPECT_TRUE(trial.objections.empty()) << trial.objections.front();
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i].ends_with(".b") || names[i].ends_with(".c"))
+      trial.fit.states[i] = estimation::ParameterState::at_bound;
+  check_parameters(trial);
+  ASSERT_EQ(trial.objections.size(), 1U);
+  EXPECT_EQ(trial.objections.front(), "what is its own (b, c) stands at a bound");
 }
 
 /// A parameter more costs the logarithm of the rows that tell: forty of ten thousand do not tell a

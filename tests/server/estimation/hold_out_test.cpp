@@ -184,5 +184,40 @@ TEST(CrossValidation, WithoutFoldsIsNotUsable) {
   EXPECT_FALSE(cross_validate(*evaluator, cloth_with_shear_held(), {}, {}).usable);
 }
 
+/// Fails where a fit begins anew for the second time.
+class SecondFold final : public ResidualFunction {
+ public:
+  explicit SecondFold(ResidualFunction& inner) : inner_(inner) {}
+  int parameter_count() const override { return inner_.parameter_count(); }
+  const std::vector<Row>& rows() const override { return inner_.rows(); }
+  void set_accuracy(Accuracy accuracy) override {
+    if (accuracy == Accuracy::stepping && last_ == Accuracy::exact) ++fits_;
+    last_ = accuracy;
+  }
+  [[nodiscard]] mechanics::PathStatus evaluate(const Eigen::VectorXd& parameters,
+                                               Eigen::VectorXd& residuals,
+                                               RowMatrix* jacobian) override {
+    if (fits_ == 2) return mechanics::PathStatus::no_equilibrium;
+    return inner_.evaluate(parameters, residuals, jacobian);
+  }
+
+ private:
+  ResidualFunction& inner_;
+  Accuracy last_ = Accuracy::exact;
+  int fits_ = 0;
+};
+
+TEST(CrossValidation, SaysWhichFoldFailed) {
+  const auto data = three_protocols();
+  auto evaluator = Evaluator::make(cloth_with_shear_held(), data);
+  ASSERT_TRUE(evaluator);
+  SecondFold failing(*evaluator);
+  const Folds folds = make_folds(*data, evaluator->rows(), "protocols");
+  ASSERT_EQ(folds.training.size(), 3U);
+  const HeldOut found = cross_validate(failing, cloth_with_shear_held(), folds, {});
+  EXPECT_FALSE(found.usable);
+  EXPECT_EQ(found.failed_fold, 1);
+}
+
 }  // namespace
 }  // namespace tenter::estimation

@@ -121,6 +121,28 @@ TEST(Noise, WithoutRepeatsIsTheScatterOfNeighbours) {
   EXPECT_TRUE(noise.sequences.empty());
 }
 
+/// A load cell whose noise grows with the load: what counts is the mean square.
+TEST(Noise, OfNeighboursIsTheMeanSquareWhereItGrows) {
+  double mean = 0.0, square = 0.0;
+  constexpr unsigned kSeeds = 40;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    Case c = white({.runs = 1, .frames = 120}, 0.3, 1.0, seed);
+    double power = 0.0, rows = 0.0;
+    for (std::size_t r = 0; r < c.rows.size(); ++r) {
+      if (c.rows[r].channel != 0) continue;
+      const double loudness = 0.2 + 1.6 * (c.rows[r].frame % 120) / 120.0;
+      c.residuals[static_cast<Eigen::Index>(r)] *= loudness;
+      power += 0.09 * loudness * loudness, rows += 1.0;
+    }
+    const double ratio = noise_of(c).channels[0][0].scatter_sigma / std::sqrt(power / rows);
+    mean += ratio / kSeeds;
+    square += ratio * ratio / kSeeds;
+  }
+  EXPECT_NEAR(mean, 1.0, 0.04);
+  // a median magnitude would scatter by more than a tenth
+  EXPECT_LT(std::sqrt(square - mean * mean), 0.09);
+}
+
 TEST(Noise, DeclaredIsBelievedAndResolutionBoundsIt) {
   Case c = white({.runs = 4, .frames = 60}, 0.3, 1.0, 3);
   c.data->curves[0].channels[0].sigma = 0.25;

@@ -66,6 +66,7 @@ TrustRegionResult by_ceres(Objective& objective, const Eigen::VectorXd& lower,
   TrustRegionResult result;
   result.converged = summary.termination_type == ceres::CONVERGENCE;
   result.stopped = summary.termination_type == ceres::USER_FAILURE;
+  result.failed = summary.termination_type == ceres::FAILURE && summary.iterations.size() <= 1;
   result.iterations = static_cast<int>(summary.iterations.size());
   result.message = result.converged ? "converged" : summary.message;
   return result;

@@ -19,6 +19,7 @@ namespace tenter::estimation {
 struct TrustRegionResult {
   bool converged = false;
   bool stopped = false;  ///< by on_iteration
+  bool failed = false;   ///< the start has no derivatives: nothing was done
   int iterations = 0;
   std::string message;
 };

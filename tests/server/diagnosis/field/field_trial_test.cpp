@@ -83,5 +83,19 @@ TEST(FieldTrial, AStepIsAnAccident) {
   EXPECT_FALSE(d.held_out_extended.rows.empty()) << in_lines(d);
 }
 
+/// Positions and forces are weighed one by one.
+TEST(FieldTrial, WhatOneKindShowsIsNotTheFormOfWhatTheOtherShowed) {
+  const auto objection = [](std::array<double, 2> first, std::array<double, 2> now,
+                            std::array<double, 2> then) {
+    return objection_by_kind({first, {}}, {now, {}}, {then, {}}, false);
+  };
+  // a bias of points that took much of the positions, then an effect that only forces show
+  EXPECT_EQ(objection({75000.0, 2000.0}, {16000.0, 2000.0}, {15990.0, 200.0}), "");
+  // what is left of forces is a small part of what was found by them
+  EXPECT_NE(objection({11235.0, 2268.0}, {11234.0, 471.0}, {11247.0, 348.0}), "");
+  // positions gain, and forces lose
+  EXPECT_NE(objection({9574.0, 1752.0}, {9590.0, 261.0}, {9401.0, 306.0}), "");
+}
+
 }  // namespace
 }  // namespace tenter::diagnosis

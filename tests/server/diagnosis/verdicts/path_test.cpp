@@ -15,6 +15,7 @@ TEST(Path, MoreIsAskedOfANameWhereMoreStaysUnexplained) {
   EXPECT_FALSE(stays(0.45, 0.2));
   EXPECT_TRUE(stays(0.7, 0.29));
   EXPECT_FALSE(stays(0.55, 0.45));  // what backlash leaves of a delay
+  EXPECT_FALSE(stays(0.9, 0.6));    // of the little that was left when it came in
 }
 
 TEST(Path, ManyEffectsOfWhichNoneExplainsMuchAreASeries) {

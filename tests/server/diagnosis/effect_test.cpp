@@ -61,6 +61,26 @@ void for_every_variant(Visit visit) {
     }
 }
 
+/// Of a strip of which nobody saw how it narrows, fibres across the diagonals tell nothing.
+TEST(Places, ADiagonalNeedsWhatStretchesIt) {
+  const auto has_diagonal = [](const Excitation& excitation, const model::Model& model) {
+    return std::ranges::any_of(places(model, excitation, true),
+                               [](const Place& place) { return place.name == "diagonal"; });
+  };
+  const Ground& ground = grounds().front();
+  const model::Model& model = ground.prepared.baseline.model;
+  EXPECT_TRUE(has_diagonal(ground.excitation, model));
+  Excitation strip = ground.excitation;
+  for (estimation::Curves& curves : strip.curves) {
+    curves.path.is_free = {false, true, false};
+    for (Eigen::Vector3d& q : curves.path.q) q[2] = 0.0;
+    std::erase_if(curves.channels, [](const auto& channel) { return !channel.is_stress; });
+  }
+  EXPECT_FALSE(has_diagonal(strip, model));
+  strip.curves.front().path.is_free[1] = false;
+  EXPECT_TRUE(has_diagonal(strip, model));
+}
+
 TEST(Effect, ChangesNothingWhenOff) {
   std::set<std::string> seen;
   for_every_variant([&](const Ground& ground, const Effect& effect, const Variant& variant,

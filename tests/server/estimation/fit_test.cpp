@@ -43,6 +43,17 @@ TEST(Fit, FindsWhatIsThereWithoutNoise) {
   }
 }
 
+/// A strip that narrows as it likes, and a model that does not mind.
+TEST(Fit, AFreeDirectionThatNothingResistsIsRefused) {
+  auto data = testing::data_of({testing::loop_capture({.transverse_free = true})}, 0.2);
+  testing::measure_with(testing::preset_with("stvk_orthotropic", kCloth), 0.2, 1, *data);
+  model::Model weft = start_cloth();
+  weft.terms.resize(1);
+  const FitResult found = fit_of(weft, data);
+  EXPECT_FALSE(found.usable);
+  EXPECT_NE(found.message.find("must resist it"), std::string::npos) << found.message;
+}
+
 TEST(Fit, IntervalsHoldTheTruthAsOftenAsTheySay) {
   int inside = 0;
   int asked = 0;

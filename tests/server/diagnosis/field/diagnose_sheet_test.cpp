@@ -30,6 +30,15 @@ TEST(DiagnoseSheet, FindsNothingWhereNothingIsWrong) {
     EXPECT_NEAR(kind.factor, 3.0, 0.5);
   }
   EXPECT_NEAR(d.baseline.at.model.terms[0].law.parameters[0].value, 60.0, 2.0);
+  // bending that pulls hardly show may not grow without end: E t L^2, with L the diagonal
+  for (const model::Term& term : d.baseline.at.model.terms)
+    for (const model::Parameter& p : term.law.parameters)
+      if (p.unit == "N m") {
+        ASSERT_TRUE(p.upper) << term.id;
+        EXPECT_GT(*p.upper, 0.1);
+        EXPECT_LT(*p.upper, 100.0);
+        EXPECT_LE(p.value, *p.upper);
+      }
 }
 
 TEST(DiagnoseSheet, NamesStiffnessThatGrowsWithStrain) {

@@ -252,7 +252,10 @@ TEST(KillDaemon, ItsWorkersDieWithIt) {
     ASSERT_TRUE(daemon.hear(end));
     while (worker == 0) {
       daemon.say("worker");
-      worker = std::stoi(daemon.hear(end).value_or("worker 1").substr(7));
+      const auto heard = daemon.hear(end);
+      ASSERT_TRUE(heard) << "the job's worker never said who it is";
+      worker = std::stoi(heard->substr(7));
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     ASSERT_EQ(::kill(worker, 0), 0);
   }

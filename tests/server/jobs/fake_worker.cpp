@@ -57,7 +57,9 @@ Expected<void> run_fake(const jobs::JobInput& input,
   const json spec = json::parse(input.spec_json);
   const json fake = spec.at("options").value("fake", json::object());
   std::fprintf(stderr, "fake worker runs\n");
-  report({"start", "pid " + std::to_string(::getpid()), 0, 0, 0});
+  // in every report: of those that come at once only the last is heard
+  const std::string who = "pid " + std::to_string(::getpid());
+  report({"start", who, 0, 0, 0});
   die_if_asked(fake);
   if (auto counted = count_attempts(fake, input.checkpoints); !counted) return counted;
   if (fake.value("flood", false)) {
@@ -72,7 +74,7 @@ Expected<void> run_fake(const jobs::JobInput& input,
       return fail(ErrorKind::cancelled, "stopped");
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    report({"sleep", "", slept, 1.0 / (1 + slept), double(slept) / sleep_ms});
+    report({"sleep", who, slept, 1.0 / (1 + slept), double(slept) / sleep_ms});
   }
   if (fake.contains("fail")) return fail(ErrorKind::bad_input, fake["fail"].get<std::string>());
   if (fake.value("no_result", false)) return {};

@@ -80,6 +80,7 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
   for (int round = static_cast<int>(accepted.size()); round < request.options.max_effects;
        ++round) {
     const double fraction = 0.1 + 0.7 * round / request.options.max_effects;
+    d.unproven.clear();
     control.report(
         {"screen", "round " + std::to_string(round + 1), round, current.fit.chi2, fraction});
     ScreenOptions options;
@@ -113,6 +114,7 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
       if (trials[i].objections.empty()) {
         chosen = i;
       } else {
+        if (lacks_only_proof(trials[i])) d.unproven.push_back(trials[i]);
         PathStep step = step_of("reject", trials[i].effect->id,
                                 trials[i].variant.words + ": " + trials[i].objections.front(),
                                 reference_of(trials[i]), d);
@@ -204,7 +206,7 @@ std::vector<estimation::Outlier> not_reached(const Diagnosis& d, const model::Mo
 void confirm_outliers(Diagnosis& d) {
   if (d.outliers.empty()) return;
   d.outliers = not_reached(d, d.extended.model);
-  const bool rough = lacks_fit_still(d);
+  const bool rough = lacks_fit_still(d, d.extended.fit);
   std::erase_if(d.outliers,
                 [&](const estimation::Outlier& o) { return beside_an_event(d, o, rough); });
 }

@@ -41,6 +41,9 @@ struct Diagnosis : Findings {
   std::vector<estimation::Outlier> outliers;
   Reference baseline;
   Reference extended;
+  /// Of the last round of additions: what passes every gate but the one on left-out data, where
+  /// there are none; best first.
+  std::vector<Trial> unproven;
   std::vector<CaptureScore> captures;
 };
 

@@ -117,7 +117,7 @@ void add_unexplained(SheetDiagnosis& d, bool anything_found) {
     if (!anything_found) d.verdicts.push_back(nothing_found(d.noise_floor));
     return;
   }
-  Verdict verdict = unexplained(d);
+  Verdict verdict = unexplained(d, d.after.error);
   for (const Structure& s : d.structure_left) {
     if (s.kind != estimation::ObservationKind::position || s.rows == 0) continue;
     const std::string& name = d.data.sequences[static_cast<std::size_t>(s.sequence)].name;

@@ -286,6 +286,8 @@ std::string held_out_objection(Trial& trial, const Reference& before, const Data
                           expected_chi2);
 }
 
+constexpr const char* kNothingLeftOut = "there is nothing that could be left out";
+
 /// The hardest kind of left-out data that can judge the trial counts: at least two folds of it in
 /// which the rest of the data determine what the effect does to what is left out. A protocol that
 /// alone shows an effect cannot be foretold without it, and its fold says nothing.
@@ -293,7 +295,7 @@ void check_held_out(Trial& trial, const Reference& before, const DataPointer& da
                     double expected_chi2) {
   auto larger = estimation::Evaluator::make(trial.model, data);
   auto smaller = estimation::Evaluator::make(before.model, data);
-  std::string objection = "there is nothing that could be left out";
+  std::string objection = kNothingLeftOut;
   for (const std::string& kind : estimation::fold_kinds()) {
     estimation::Folds folds = estimation::make_folds(*data, larger->rows(), kind);
     estimation::keep_determined(folds, trial.fit,
@@ -307,6 +309,10 @@ void check_held_out(Trial& trial, const Reference& before, const DataPointer& da
 }
 
 }  // namespace
+
+bool lacks_only_proof(const Trial& trial) {
+  return trial.objections.size() == 1 && trial.objections.front() == kNothingLeftOut;
+}
 
 double criterion_of(const Trial& trial, int added_effects, double rows) {
   const double asked = trial.effect->special_form_of.empty() ? 0.0 : kDecisive;

@@ -89,6 +89,8 @@ std::string compare_held_out(Trial& trial, const estimation::HeldOut& earlier,
 /// Laws are written otherwise than cloth behaves: a gain in chi2 of effects that are a share `form`
 /// as large as those that took `taken` may be what the form of these misses.
 bool is_within_form(double gain, double taken, double form);
+/// Nothing speaks against it, but there is nothing that could be left out.
+bool lacks_only_proof(const Trial& trial);
 constexpr double kFormOfCurves = 0.13;
 constexpr double kFormOfSheets = 0.3;  ///< frames are few, and cells are coarse
 

@@ -103,11 +103,11 @@ Verdict nothing_found(double noise_floor) {
   return verdict;
 }
 
-Verdict unexplained(const Findings& findings) {
+Verdict unexplained(const Findings& findings, double error) {
   Verdict verdict;
   verdict.kind = VerdictKind::unexplained;
-  verdict.size = std::sqrt(std::max(0.0, findings.after.error * findings.after.error -
-                                             findings.noise_floor * findings.noise_floor));
+  verdict.size =
+      std::sqrt(std::max(0.0, error * error - findings.noise_floor * findings.noise_floor));
   verdict.size_lo = verdict.size_hi = verdict.size;
   verdict.words =
       in_percent(findings.unexplained_share) +

@@ -11,6 +11,7 @@
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/trials/model_edit.h"
 #include "server/diagnosis/verdicts/effect_size.h"
+#include "server/diagnosis/verdicts/score.h"
 #include "server/diagnosis/verdicts/verdict_words.h"
 
 namespace tenter::diagnosis {
@@ -135,19 +136,50 @@ void add_outliers(Diagnosis& d) {
   d.verdicts.push_back(std::move(verdict));
 }
 
-void add_unexplained(Diagnosis& d, bool anything_found) {
+/// Where nothing could be left out nothing is proven: what explains all alike is a group, and what
+/// alone would explain it is no more than a word beside UNEXPLAINED. The fit of the group's first;
+/// none: there is no group.
+const estimation::FitResult* add_unproven(Diagnosis& d, const Options& options) {
+  constexpr std::size_t kMostAlternatives = 2;
+  if (d.unproven.empty()) return nullptr;
+  const Trial& best = d.unproven.front();
+  Verdict verdict;
+  for (const Trial& other : d.unproven) {
+    const std::string& id = other.effect->id;
+    if (other.effect == best.effect || says_nothing_against(id, best.effect->id) ||
+        std::ranges::count(verdict.alternatives, id) > 0)
+      continue;
+    if (evidence_against({other.model, other.fit, {}}, {best.model, best.fit, {}}) < kDecisive)
+      verdict.alternatives.push_back(id);
+  }
+  if (verdict.alternatives.empty() || verdict.alternatives.size() > kMostAlternatives)
+    return nullptr;
+  const SizeInterval size = effect_size(*d.data, d.baseline.fit, best.fit, options.seed);
+  put_in_words(*best.effect, {&best}, size, size.of_force ? "force" : "free stretch",
+               "this capture", d.data->block_count(), verdict);
+  verdict.words += " Nothing could be left out to prove it: pull again.";
+  verdict.next_protocol = best.effect->split_by;
+  d.verdicts.push_back(std::move(verdict));
+  return &best.fit;
+}
+
+/// `last`: of the model that explains most.
+void add_unexplained(Diagnosis& d, const estimation::FitResult& last, bool anything_found) {
   const double expected = noise_chi2(d);
   const double missed = std::max(0.0, d.baseline.fit.chi2 - expected);
-  const double left = std::max(0.0, d.extended.fit.chi2 - expected);
+  const double left = std::max(0.0, last.chi2 - expected);
   d.unexplained_share = missed > 0.0 ? std::min(1.0, left / missed) : 0.0;
-  const bool lacks_fit = lacks_fit_still(d);
+  const bool lacks_fit = lacks_fit_still(d, last);
   if (!lacks_fit) {
     d.unexplained_share = 0.0;
     if (anything_found) return;
     d.verdicts.push_back(nothing_found(d.noise_floor));
     return;
   }
-  Verdict verdict = unexplained(d);
+  Verdict verdict = unexplained(d, score_of(*d.data, d.data->rows(), last.residuals, -1).error);
+  if (!anything_found && !d.unproven.empty())
+    verdict.words += " It could be " + d.unproven.front().effect->words +
+                     ", but nothing could be left out to prove it: pull again.";
   if (irreproducible(d))
     verdict.words +=
         " Repeats of the same path differ smoothly by far more than neighbouring samples scatter.";
@@ -178,12 +210,12 @@ bool irreproducible(const Diagnosis& d) {
   return false;
 }
 
-bool lacks_fit_still(const Diagnosis& d) {
+bool lacks_fit_still(const Diagnosis& d, const estimation::FitResult& last) {
   // of the noise's power: less, noise that is not alike everywhere has too
   constexpr double kLeast = 0.125;
   const double expected = noise_chi2(d);
   return (d.last_screen.lack_of_fit > 1.0 || irreproducible(d)) &&
-         d.extended.fit.chi2 > (1.0 + kLeast) * expected;
+         last.chi2 > (1.0 + kLeast) * expected;
 }
 
 void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Excitation& excitation,
@@ -200,8 +232,9 @@ void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Exc
   std::stable_sort(d.verdicts.begin(), d.verdicts.end(),
                    [](const Verdict& a, const Verdict& b) { return a.size > b.size; });
   if (auto steps = quantisation_verdict(d)) d.verdicts.push_back(std::move(*steps));
+  const estimation::FitResult* group = findings.empty() ? add_unproven(d, options) : nullptr;
   add_outliers(d);
-  add_unexplained(d, !d.verdicts.empty());
+  add_unexplained(d, group != nullptr ? *group : d.extended.fit, !d.verdicts.empty());
   add_not_excited(d, {order.begin(), order.end()}, [](const Effect&) { return true; });
 }
 

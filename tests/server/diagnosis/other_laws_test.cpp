@@ -29,6 +29,8 @@ const Pull kPulls[] = {
     {"product_of_strains", "soft_constraints", {"poisson_coupling"}},
     {"stick_slip", "soft_constraints", {}},
     {"drift", "stvk_diagonal_spline", {"load_cell_drift"}},
+    // nothing can be left out: a group
+    {"loading_only", "soft_constraints", {"load_cell_drift", "load_cell_offset"}},
 };
 
 class OtherLaws : public ::testing::TestWithParam<Pull> {};

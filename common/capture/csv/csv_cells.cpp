@@ -26,7 +26,10 @@ Expected<double> CsvCells::number(std::size_t row, const std::string& column, st
   double value = 0.0;
   const auto [stop, error] = std::from_chars(begin, end, value);
   if (stop != end || error == std::errc::invalid_argument)
-    return at(row, column, "\"" + text.substr(0, 40) + "\" is not a number");
+    return at(
+        row, column,
+        "\"" + text.substr(0, 40) + "\" is not a number" +
+            (row == 0 ? "; \"skip_rows\": 1 in " + json_ + " leaves out a row of units" : ""));
   if (error == std::errc::result_out_of_range || std::isinf(value))
     return at(row, column, "\"" + text.substr(0, 40) + "\" is too large or too small");
   if (std::isnan(value) && !may_be_missing)

@@ -135,6 +135,7 @@ Expected<CsvTable> parse_csv(const std::string& text, const CsvOptions& options,
   for (std::size_t i = 0; i < options.skip_lines; ++i) parser.skip_line();
   CsvTable table;
   std::vector<std::string> cells;
+  std::size_t rows = 0;
   while (!parser.at_end()) {
     const std::size_t line = parser.line();
     if (auto ok = parser.row(&cells); !ok) return tl::unexpected(ok.error());
@@ -144,6 +145,7 @@ Expected<CsvTable> parse_csv(const std::string& text, const CsvOptions& options,
       table.header = cells;
       continue;
     }
+    if (rows++ < options.skip_rows) continue;
     if (cells.size() != table.header.size())
       return bad_input(name + ": line " + std::to_string(line) + " has " +
                        std::to_string(cells.size()) + " cells where the header has " +

@@ -18,6 +18,7 @@ namespace tenter::capture {
 struct CsvOptions {
   char separator = ',';
   std::size_t skip_lines = 0;  ///< lines of a machine's preamble before the header
+  std::size_t skip_rows = 0;   ///< rows under the header that hold no readings: units
 };
 
 struct CsvTable {

@@ -259,6 +259,11 @@ void read_file_options(JsonObject& root, Description& out) {
     root.defect().note("skip_lines", "must be a whole number from 0 to 10000");
   else
     out.csv.skip_lines = static_cast<std::size_t>(skip);
+  const double rows = root.maybe_number("skip_rows").value_or(0.0);
+  if (rows < 0.0 || rows > 100.0 || rows != static_cast<double>(static_cast<int>(rows)))
+    root.defect().note("skip_rows", "must be a whole number from 0 to 100");
+  else
+    out.csv.skip_rows = static_cast<std::size_t>(rows);
   const std::string others = root.text_or("other_columns", "error");
   if (others != "error" && others != "ignore")
     root.defect().note("other_columns", "must be \"error\" or \"ignore\"");

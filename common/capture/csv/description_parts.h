@@ -10,7 +10,7 @@
 
 namespace tenter::capture {
 
-/// separator, decimal, skip_lines, other_columns, where.
+/// separator, decimal, skip_lines, skip_rows, other_columns, where.
 void read_file_options(JsonObject& table, Description& out);
 
 /// {"is": "time"} and the like, or a channel.

@@ -24,7 +24,8 @@ Expected<const OpenTable*> TableFolder::open(const std::string& file, const CsvO
   const std::string path = path_of(file);
   if (path.empty())
     return bad_input(json_ + ": " + key + " names no file, and the import was called without one.");
-  std::unique_ptr<OpenTable>& slot = open_[{path, {options.separator, options.skip_lines}}];
+  std::unique_ptr<OpenTable>& slot =
+      open_[{path, options.separator, options.skip_lines, options.skip_rows}];
   if (!slot) {
     const Expected<std::string> text = read_text_file(path, kMaxCsvBytes);
     if (!text) return tl::unexpected(text.error());

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -39,7 +40,8 @@ class TableFolder {
  private:
   std::string json_;
   std::string main_csv_;
-  std::map<std::pair<std::string, std::pair<char, std::size_t>>, std::unique_ptr<OpenTable>> open_;
+  std::map<std::tuple<std::string, char, std::size_t, std::size_t>, std::unique_ptr<OpenTable>>
+      open_;
 };
 
 /// Frames of the capture by what tables call them.

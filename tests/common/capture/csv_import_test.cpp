@@ -299,6 +299,18 @@ TEST(CsvImport, TakesGermanMachines) {
   EXPECT_EQ(capture->find("force")->values[1], 10.0);
 }
 
+TEST(CsvImport, LeavesOutARowOfUnits) {
+  const std::string csv = "time_s,displacement_mm,force_N\ns,mm,N\n0,0,0\n1,1,2\n";
+  EXPECT_NE(refusal(csv, uniaxial_description("{}")).find("\"skip_rows\": 1 in pull.json"),
+            std::string::npos);
+  const auto capture = import_text(csv, uniaxial_description(R"({"skip_rows": 1})"));
+  ASSERT_TRUE(capture) << message_of(capture);
+  EXPECT_EQ(capture->find("force")->values, (std::vector<double>{0, 2}));
+  EXPECT_NE(refusal(csv, uniaxial_description(R"({"skip_rows": 101})"))
+                .find("skip_rows must be a whole number from 0 to 100"),
+            std::string::npos);
+}
+
 TEST(CsvImport, KinematicsMustNameWhatIsThere) {
   EXPECT_EQ(
       refusal(kCsv, uniaxial_description(R"({"kinematics": {"x": {"channel": "force"}}})")),

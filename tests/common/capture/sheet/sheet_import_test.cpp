@@ -220,7 +220,8 @@ TEST(SheetImport, SaysWhatItCannotUnderstand) {
             "missing values there.");
   EXPECT_EQ(complaint(R"({"surprise": 1})"), "film.json: surprise is not a known key.");
   EXPECT_EQ(complaint("{}", {.tracked = "frame,point,x0_mm,y0_mm,ux_mm,uy_mm\n3,7,10,0,0,x\n"}),
-            "tracked.csv: line 2, column \"uy_mm\": \"x\" is not a number.");
+            "tracked.csv: line 2, column \"uy_mm\": \"x\" is not a number; \"skip_rows\": 1 in "
+            "film.json leaves out a row of units.");
   EXPECT_EQ(complaint("{}", {.tracked = "frame,point,x0_mm,y0_mm,ux_mm,uy_mm\n3,7,1,0,0,0\n3,7,1,0,"
                                         "0,0\n"}),
             "tracked.csv: line 3, column \"point\": this vertex has been given for this frame.");

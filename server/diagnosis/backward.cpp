@@ -41,6 +41,13 @@ void drop_where(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
 
 }  // namespace
 
+double taken_by_forms(const std::vector<Accepted>& accepted) {
+  double taken = 0.0;
+  for (const Accepted& entry : accepted)
+    if (!entry.trial.effect->is_exact) taken += entry.before_chi2 - entry.trial.fit.chi2;
+  return taken;
+}
+
 PathStep step_of(const std::string& action, const std::string& effect, const std::string& why,
                  const Reference& at, const Diagnosis& d) {
   return path_step(action, effect, why, at,

@@ -19,6 +19,9 @@ struct Accepted {
   std::vector<Trial> rivals;  ///< other effects of the same round, best first
 };
 
+/// chi2 that was taken by effects whose form may miss something.
+double taken_by_forms(const std::vector<Accepted>& accepted);
+
 /// A step of the path, with the error on all rows that the fit at `at` has.
 PathStep step_of(const std::string& action, const std::string& effect, const std::string& why,
                  const Reference& at, const Diagnosis& d);

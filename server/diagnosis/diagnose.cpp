@@ -108,8 +108,8 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
       if (current.fit.chi2 - trials[i].fit.chi2 < kLeastOfSteps * steps)
         trials[i].objections.push_back("the steps of the readings are much larger");
       if (std::ranges::count(added, trials[i].effect->id) == 0 &&
-          is_within_form(current.fit.chi2 - trials[i].fit.chi2,
-                         d.baseline.fit.chi2 - current.fit.chi2, kFormOfCurves))
+          is_within_form(current.fit.chi2 - trials[i].fit.chi2, taken_by_forms(accepted),
+                         kFormOfCurves))
         trials[i].objections.push_back("it is no more than the form of what was found may miss");
       if (trials[i].objections.empty()) {
         chosen = i;

@@ -103,6 +103,7 @@ struct Effect {
   effects::Kind kind = effects::Kind::material;
   bool in_every_run = true;  ///< false: an accident; other runs and captures do not show it
   bool needs_rate = false;   ///< without time or rate at most AMBIGUOUS
+  bool is_exact = false;     ///< a number is all that is not known of it: its form misses nothing
   /// Another effect, of which this is a sharper form: where both do alike the other is the word.
   std::string special_form_of = {};
   /// Endings of parameters of which one must be off its bounds: without it the extension is

@@ -23,11 +23,15 @@ Effect load_cell(const std::string& id, const std::string& type) {
 }  // namespace
 
 Effect load_cell_offset() {
-  return load_cell("load_cell_offset", "offset");
+  Effect effect = load_cell("load_cell_offset", "offset");
+  effect.is_exact = true;
+  return effect;
 }
 
 Effect load_cell_gain() {
-  return load_cell("load_cell_gain", "gain");
+  Effect effect = load_cell("load_cell_gain", "gain");
+  effect.is_exact = true;
+  return effect;
 }
 
 Effect load_cell_drift() {

@@ -135,8 +135,14 @@ std::string objection_of_kinds(const Trial& trial, const Chain& chain) {
   const bool is_more_of_one =
       std::any_of(chain.accepted.begin(), chain.accepted.end(),
                   [&](const FieldFinding& f) { return f.trial.effect == trial.effect; });
-  return objection_by_kind(misfit(chain.d.baseline.at.fit), misfit(chain.current.at.fit),
-                           misfit(trial.fit), is_more_of_one);
+  const Misfit now = misfit(chain.current.at.fit);
+  std::array<double, 2> taken = {0.0, 0.0};
+  for (const FieldFinding& found : chain.accepted) {
+    if (found.trial.effect->is_exact) continue;
+    const Misfit after = misfit(found.trial.fit);
+    for (std::size_t kind : {0UL, 1UL}) taken[kind] += found.before.chi2[kind] - after.chi2[kind];
+  }
+  return objection_by_kind(taken, now, misfit(trial.fit), is_more_of_one);
 }
 
 /// Forward: one effect at a time, the best that passes, until none does.

@@ -3,6 +3,7 @@
 // is to curves, with the same gates.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "server/diagnosis/field/data/field_fit.h"
@@ -35,12 +36,12 @@ void judge_field(FieldTrial& trial, const FieldFit& before, const FieldData& dat
                  const HeldOutSheets& held_out, double expected_chi2,
                  const FieldFitOptions& options);
 
-/// What positions and all else say of a trial one by one, each by what the baseline missed of it;
-/// empty: nothing against it. The form of what was found by positions says nothing of what forces
-/// miss; and what is right of the one makes the other no worse. `is_more_of_one`: of an effect that
-/// is in already.
-std::string objection_by_kind(const Misfit& baseline, const Misfit& before, const Misfit& after,
-                              bool is_more_of_one);
+/// What positions and all else say of a trial one by one; empty: nothing against it. `taken`: chi2
+/// of each that was taken by effects whose form may miss something. The form of what was found by
+/// positions says nothing of what forces miss; and what is right of the one makes the other no
+/// worse. `is_more_of_one`: of an effect that is in already.
+std::string objection_by_kind(const std::array<double, 2>& taken, const Misfit& before,
+                              const Misfit& after, bool is_more_of_one);
 
 /// The folds that can judge what `larger` adds: the rest determines it, and what is left out shows
 /// it. Fewer than two: empty.

@@ -87,7 +87,7 @@ TEST(FieldTrial, AStepIsAnAccident) {
 TEST(FieldTrial, WhatOneKindShowsIsNotTheFormOfWhatTheOtherShowed) {
   const auto objection = [](std::array<double, 2> first, std::array<double, 2> now,
                             std::array<double, 2> then) {
-    return objection_by_kind({first, {}}, {now, {}}, {then, {}}, false);
+    return objection_by_kind({first[0] - now[0], first[1] - now[1]}, {now, {}}, {then, {}}, false);
   };
   // a bias of points that took much of the positions, then an effect that only forces show
   EXPECT_EQ(objection({75000.0, 2000.0}, {16000.0, 2000.0}, {15990.0, 200.0}), "");

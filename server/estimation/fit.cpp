@@ -131,8 +131,7 @@ FitResult fit_in_box(ResidualFunction& evaluator, const model::Model& start,
     if (!search(objective, bounds, options, x, result)) {
       result.message =
           "the model has no derivatives at the start values; where a direction is left free, a "
-          "term "
-          "must resist it";
+          "term must resist it";
       evaluator.set_accuracy(Accuracy::exact);
       return result;
     }

@@ -67,8 +67,8 @@ Interpolated interpolate(const Segment& s, double x) {
 }
 
 /// Mean square of values of which few are none of the noise: those beyond three standard deviations
-/// are left out, and what normal values lose by that is put back. More is had of every value than
-/// by a median magnitude, whose square is off by a fifth with two hundred values.
+/// are left out, and what normal values lose by that is put back. It scatters less than the square
+/// of a median magnitude, which has the first word on how far three deviations are.
 double clipped_square(const double* first, const double* last) {
   constexpr double kReach = 3.0, kKept = 0.97334;  // E[z^2 | |z| < 3]
   std::vector<double> magnitude;

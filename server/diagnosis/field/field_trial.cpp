@@ -152,7 +152,7 @@ std::string held_out_objection(FieldTrial& trial, const FieldFit& before, const 
   }
   const FieldFit larger = fit_of(trial, before);
   estimation::Folds folds = telling_folds(larger, before, data, !trial.trial.effect->in_every_run);
-  if (folds.training.empty()) return "there is nothing that could be left out";
+  if (folds.training.empty()) return kNothingLeftOut;
   estimation::HeldOut after, earlier;
   // the others judge where a sheet comes to no rest without some part of the data
   for (bool is_done = false; !is_done;) {

@@ -32,20 +32,20 @@ FieldData gathered(const SheetRequest& request, bool held_out) {
 }
 
 /// A sheet is thinner than it is wide, and so less stiff in bending, E t^3 / 12, than its
-/// membrane's stiffness, E t, times the square of its width. Captures that hardly bend would let it
-/// grow until numbers no longer tell a frame that rests from one that does not.
+/// membrane's stiffness, E t, times the square of its diagonal. Captures that hardly bend would let
+/// it grow until numbers no longer tell a frame that rests from one that does not.
 void bound_bending(const FieldData& data, model::Model& model) {
   double membrane_N_per_m = 0.0;
   for (const model::Term& term : model.terms)
     for (const model::Parameter& p : term.law.parameters)
       if (p.unit == "N/m") membrane_N_per_m = std::max(membrane_N_per_m, p.value);
-  double width_m2 = 0.0;
+  double diagonal_m2 = 0.0;
   for (const estimation::Sequence& sequence : data.sequences) {
     const Eigen::Matrix2Xd& at = sequence.cloth.mesh.material_m;
-    width_m2 =
-        std::max(width_m2, (at.rowwise().maxCoeff() - at.rowwise().minCoeff()).squaredNorm());
+    diagonal_m2 =
+        std::max(diagonal_m2, (at.rowwise().maxCoeff() - at.rowwise().minCoeff()).squaredNorm());
   }
-  const double most_N_m = membrane_N_per_m * width_m2;
+  const double most_N_m = membrane_N_per_m * diagonal_m2;
   if (!(most_N_m > 0.0)) return;
   for (model::Term& term : model.terms)
     for (model::Parameter& p : term.law.parameters) {

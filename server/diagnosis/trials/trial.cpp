@@ -286,8 +286,6 @@ std::string held_out_objection(Trial& trial, const Reference& before, const Data
                           expected_chi2);
 }
 
-constexpr const char* kNothingLeftOut = "there is nothing that could be left out";
-
 /// The hardest kind of left-out data that can judge the trial counts: at least two folds of it in
 /// which the rest of the data determine what the effect does to what is left out. A protocol that
 /// alone shows an effect cannot be foretold without it, and its fold says nothing.

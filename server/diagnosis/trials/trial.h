@@ -89,10 +89,13 @@ std::string compare_held_out(Trial& trial, const estimation::HeldOut& earlier,
 /// Laws are written otherwise than cloth behaves: a gain in chi2 of effects that are a share `form`
 /// as large as those that took `taken` may be what the form of these misses.
 bool is_within_form(double gain, double taken, double form);
-/// Nothing speaks against it, but there is nothing that could be left out.
-bool lacks_only_proof(const Trial& trial);
 constexpr double kFormOfCurves = 0.13;
 constexpr double kFormOfSheets = 0.3;  ///< frames are few, and cells are coarse
+
+/// The objection to a trial that no left-out data could judge.
+inline constexpr const char* kNothingLeftOut = "there is nothing that could be left out";
+/// No other objection speaks against it.
+bool lacks_only_proof(const Trial& trial);
 
 /// Share of what `before` missed beyond `expected_chi2` that `after` explains.
 double explained_share(double before, double after, double expected_chi2);

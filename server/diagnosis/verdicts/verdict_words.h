@@ -45,7 +45,8 @@ void put_in_words(const Effect& effect, const std::vector<const Trial*>& trials,
                   int blocks, Verdict& verdict);
 
 Verdict nothing_found(double noise_floor);
-/// Share and size of what stays unexplained; takes unexplained_share, after and noise_floor.
+/// Share and size of what stays unexplained, by the error that is left; takes unexplained_share,
+/// noise_floor and last_screen.
 Verdict unexplained(const Findings& findings, double error);
 /// Of rows that captures do not excite, but for effects found and those that `is_asked` denies.
 void add_not_excited(Findings& findings, const std::set<std::string>& found,

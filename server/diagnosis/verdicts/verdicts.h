@@ -22,7 +22,7 @@ void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Exc
 double noise_chi2(const Diagnosis& d);
 /// Repeats differ smoothly by far more than neighbouring samples scatter.
 bool irreproducible(const Diagnosis& d);
-/// The extended model still misses more than the noise.
+/// A fit to the data still misses more than the noise.
 bool lacks_fit_still(const Diagnosis& d, const estimation::FitResult& last);
 
 }  // namespace tenter::diagnosis

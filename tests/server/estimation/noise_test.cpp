@@ -138,8 +138,7 @@ TEST(Noise, OfNeighboursIsTheMeanSquareWhereItGrows) {
     mean += ratio / kSeeds;
     square += ratio * ratio / kSeeds;
   }
-  EXPECT_NEAR(mean, 1.0, 0.04);
-  // a median magnitude would scatter by more than a tenth
+  EXPECT_NEAR(mean, 1.0, 0.04);  // a median magnitude would be far below
   EXPECT_LT(std::sqrt(square - mean * mean), 0.09);
 }
 

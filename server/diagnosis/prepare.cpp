@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "server/diagnosis/checks/lattice.h"
+#include "server/estimation/thinning.h"
 
 namespace tenter::diagnosis {
 namespace {

@@ -6,6 +6,8 @@
 #include <limits>
 #include <map>
 
+#include "server/estimation/instrument/last_motion.h"
+
 namespace tenter::estimation {
 namespace {
 
@@ -297,80 +299,19 @@ Expected<Curves> make_curves(const Capture& capture, const std::string& id) {
   return curves;
 }
 
-Curves thin(const Curves& curves, int max_frames, const std::vector<std::vector<bool>>& left_out) {
-  Curves result = curves;
-  result.path.q.clear();
-  result.path.duration_s.clear();
-  result.path.start.clear();
-  result.clock_s.clear();
-  result.frame.clear();
-  result.origin.clear();
-  result.block_of.clear();
-  for (ObservedChannel& channel : result.channels) {
-    channel.measured.clear();
-    channel.sigma_per_frame.clear();
+std::vector<double> last_motions_of(const Curves& curves, int component) {
+  constexpr double kLeastRange = 1e-6;
+  const auto c = static_cast<std::size_t>(component);
+  const std::size_t n = curves.frame_count();
+  if (!curves.mean_last_motion[c].empty()) return curves.mean_last_motion[c];
+  if (n == 0 || curves.path.is_free[c]) return std::vector<double>(n, 0.0);
+  std::vector<double> strain;
+  std::vector<bool> starts;
+  for (std::size_t f = 0; f < n; ++f) {
+    strain.push_back(curves.path.q[f][component]);
+    starts.push_back(curves.path.start[f] != mechanics::FrameStart::next);
   }
-  for (std::size_t b = 0; b < curves.blocks.size(); ++b) {
-    const Block& block = curves.blocks[b];
-    const int length = block.last - block.first;
-    const int pieces = std::min(length, max_frames);
-    result.blocks[b].first = static_cast<int>(result.path.q.size());
-    for (int piece = 0; piece < pieces; ++piece) {
-      const int from = block.first + static_cast<int>(static_cast<long>(length) * piece / pieces);
-      const int to =
-          block.first + static_cast<int>(static_cast<long>(length) * (piece + 1) / pieces);
-      Eigen::Vector3d q = Eigen::Vector3d::Zero();
-      double clock = 0.0;
-      for (int f = from; f < to; ++f) {
-        q += curves.path.q[static_cast<std::size_t>(f)];
-        clock += curves.clock_s[static_cast<std::size_t>(f)];
-      }
-      const double count = to - from;
-      result.path.q.push_back(q / count);
-      result.clock_s.push_back(clock / count);
-      result.frame.push_back(curves.frame[static_cast<std::size_t>(from)]);
-      result.origin.push_back(curves.origin[static_cast<std::size_t>(from)]);
-      result.block_of.push_back(static_cast<int>(b));
-      auto start = mechanics::FrameStart::next;
-      for (int f = from; f < to; ++f)
-        if (curves.path.start[static_cast<std::size_t>(f)] != mechanics::FrameStart::next)
-          start = curves.path.start[static_cast<std::size_t>(f)];
-      result.path.start.push_back(start);
-      const auto i = result.clock_s.size() - 1;
-      const bool starts_run = from == curves.runs[static_cast<std::size_t>(block.run)].first;
-      const bool no_step =
-          i == 0 || start != mechanics::FrameStart::next ||
-          (starts_run && curves.path.duration_s[static_cast<std::size_t>(from)] == 0.0);
-      result.path.duration_s.push_back(no_step ? 0.0 : result.clock_s[i] - result.clock_s[i - 1]);
-      for (std::size_t c = 0; c < curves.channels.size(); ++c) {
-        double sum = 0.0;
-        double variance = 0.0;
-        int used = 0;
-        for (int f = from; f < to; ++f) {
-          const auto k = static_cast<std::size_t>(f);
-          if (left_out[c][k] || !std::isfinite(curves.channels[c].measured[k])) continue;
-          sum += curves.channels[c].measured[k];
-          if (!curves.channels[c].sigma_per_frame.empty())
-            variance += curves.channels[c].sigma_per_frame[k];
-          ++used;
-        }
-        result.channels[c].measured.push_back(used > 0 ? sum / used : kMissing);
-        if (!curves.channels[c].sigma_per_frame.empty())
-          result.channels[c].sigma_per_frame.push_back(used > 0 ? variance / used : kMissing);
-      }
-    }
-    result.blocks[b].last = static_cast<int>(result.path.q.size());
-  }
-  for (CurveRun& run : result.runs) {
-    run.first = static_cast<int>(result.path.q.size());
-    run.last = 0;
-  }
-  for (const Block& block : result.blocks) {
-    CurveRun& run = result.runs[static_cast<std::size_t>(block.run)];
-    run.first = std::min(run.first, block.first);
-    run.last = std::max(run.last, block.last);
-  }
-  return result;
+  return last_motions(strain, starts, kLeastRange);
 }
 
 }  // namespace tenter::estimation

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -69,6 +70,8 @@ struct Curves {
   std::vector<CurveRun> runs;
   std::vector<ObservedChannel> channels;
   int dropped_frames = 0;
+  /// Where frames are means of others: last_motions_of() these, by component; else empty.
+  std::array<std::vector<double>, 3> mean_last_motion;
 
   std::size_t frame_count() const { return path.q.size(); }
 };
@@ -76,9 +79,9 @@ struct Curves {
 /// bad_input where the capture holds nothing that a material point can meet.
 Expected<Curves> make_curves(const capture::Capture& capture, const std::string& id);
 
-/// At most `max_frames` frames a block, each the mean of its neighbours; entries with zero weight
-/// (same layout as the channels) are left out of the means. Blocks, runs and time are kept.
-Curves thin(const Curves& curves, int max_frames, const std::vector<std::vector<bool>>& left_out);
+/// +1, -1 or 0 per frame: where the imposed strain of a component last went
+/// (instrument/last_motion); between these where a frame is a mean of others.
+std::vector<double> last_motions_of(const Curves& curves, int component);
 
 /// Components that move, as a list of letters for messages ("x", "xy").
 const char* component_name(int component);

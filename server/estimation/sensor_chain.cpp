@@ -5,24 +5,9 @@
 #include <iterator>
 
 #include "common/model/catalogue.h"
-#include "server/estimation/instrument/last_motion.h"
 #include "server/estimation/instrument/moment.h"
 
 namespace tenter::estimation {
-
-std::vector<double> directions_of(const Curves& curves, int component) {
-  const auto n = curves.frame_count();
-  if (n == 0 || curves.path.is_free[static_cast<std::size_t>(component)])
-    return std::vector<double>(n, 0.0);
-  std::vector<double> strain;
-  std::vector<bool> starts;
-  for (std::size_t f = 0; f < n; ++f) {
-    strain.push_back(curves.path.q[f][component]);
-    starts.push_back(curves.path.start[f] != mechanics::FrameStart::next);
-  }
-  constexpr double kLeastRange = 1e-6;
-  return last_motions(strain, starts, kLeastRange);
-}
 
 /// Const references that live for one call.
 struct SensorChain::Frame {
@@ -69,7 +54,8 @@ Expected<SensorChain> SensorChain::make(const model::Model& model,
   }
   if (!has_cord) return chain;
   for (const Curves& c : curves)
-    chain.direction_.push_back({directions_of(c, 0), directions_of(c, 1), directions_of(c, 2)});
+    chain.direction_.push_back(
+        {last_motions_of(c, 0), last_motions_of(c, 1), last_motions_of(c, 2)});
   return chain;
 }
 

@@ -85,9 +85,4 @@ class SensorChain {
   int parameter_count_ = 0;
 };
 
-/// +1, -1 or 0 per frame: where the imposed strain of a component last went, with what is below a
-/// hundredth of its range taken for standing still, and a turn dated to where the strain left its
-/// extreme for good.
-std::vector<double> directions_of(const Curves& curves, int component);
-
 }  // namespace tenter::estimation

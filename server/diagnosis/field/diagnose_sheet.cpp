@@ -136,6 +136,9 @@ std::string objection_of_kinds(const Trial& trial, const Chain& chain) {
       std::any_of(chain.accepted.begin(), chain.accepted.end(),
                   [&](const FieldFinding& f) { return f.trial.effect == trial.effect; });
   const Misfit now = misfit(chain.current.at.fit);
+  if (std::string why = objection_of_grid(chain.d.taken_by_grid, now, misfit(trial.fit));
+      !why.empty())
+    return why;
   std::array<double, 2> taken = {0.0, 0.0};
   for (const FieldFinding& found : chain.accepted) {
     if (found.trial.effect->is_exact) continue;

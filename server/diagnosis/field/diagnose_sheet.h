@@ -12,6 +12,7 @@
 // a screen (less than one more fit), and a refit for each of the best few candidates of a round.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -53,7 +54,8 @@ struct SheetDiagnosis : Findings {
   FieldNoise noise;
   std::vector<std::string> dropped;  ///< frames without rest, in words
   FieldFit baseline, extended;
-  FieldFit held_out_baseline, held_out_extended;  ///< empty where nothing is held out
+  std::array<double, 2> taken_by_grid = {0.0, 0.0};  ///< chi2 of positions, of all else
+  FieldFit held_out_baseline, held_out_extended;     ///< empty where nothing is held out
   Excitation excitation;
   std::vector<Structure> structure,
       structure_left;  ///< of the baseline's residuals, of what is left

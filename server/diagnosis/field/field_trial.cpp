@@ -225,6 +225,15 @@ std::string objection_by_kind(const std::array<double, 2>& taken, const Misfit& 
   return "";
 }
 
+std::string objection_of_grid(const std::array<double, 2>& taken, const Misfit& before,
+                              const Misfit& after) {
+  const auto gained = [&](std::size_t kind) { return before.chi2[kind] - after.chi2[kind]; };
+  const std::size_t shown = gained(0) > gained(1) ? 0 : 1;
+  return is_within_form(gained(shown), taken[shown], kFormOfGrid)
+             ? "it is no more than the estimate of the grid's error may miss"
+             : "";
+}
+
 void judge_field(FieldTrial& field, const FieldFit& before, const FieldData& data,
                  const HeldOutSheets& held_out, double expected_chi2,
                  const FieldFitOptions& options) {

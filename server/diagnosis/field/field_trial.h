@@ -43,6 +43,10 @@ void judge_field(FieldTrial& trial, const FieldFit& before, const FieldData& dat
 std::string objection_by_kind(const std::array<double, 2>& taken, const Misfit& before,
                               const Misfit& after, bool is_more_of_one);
 
+/// The same of the grid's error, of which its estimate took `taken`.
+std::string objection_of_grid(const std::array<double, 2>& taken, const Misfit& before,
+                              const Misfit& after);
+
 /// The folds that can judge what `larger` adds: the rest determines it, and what is left out shows
 /// it. Fewer than two: empty.
 estimation::Folds telling_folds(const FieldFit& larger, const FieldFit& smaller,

@@ -84,9 +84,19 @@ Verdict numerical_verdict(double share, double missed, const SizeInterval& size,
   return verdict;
 }
 
-}  // namespace
+/// Of positions or of all else, more than the noise.
+bool misses_something(const SheetDiagnosis& d) {
+  constexpr double kLeast = 1.1;
+  const Misfit misfit = misfit_of(d.data.sequences, d.baseline.rows, d.baseline.at.fit.residuals);
+  const double noise = expected_chi2(d.baseline) / static_cast<double>(d.baseline.rows.size());
+  for (const std::size_t kind : {0UL, 1UL})
+    if (misfit.chi2[kind] > kLeast * noise * misfit.rows[kind]) return true;
+  return false;
+}
 
-Expected<void> check_grid(const SheetRequest& request, const Control& control, SheetDiagnosis& d) {
+/// How far the grid's error went, and with which baseline after it.
+Expected<void> compare_grids(const SheetRequest& request, const Control& control,
+                             SheetDiagnosis& d) {
   FieldData free_of_grid = d.data;
   double sigmas = 0.0;
   const auto has_any = take_off(request, control, false, d.baseline.at.model, d.baseline.states,
@@ -112,6 +122,14 @@ Expected<void> check_grid(const SheetRequest& request, const Control& control, S
     d.verdicts.push_back(numerical_verdict(
         share, missed, sheet_effect_size(d.data, d.baseline, *refitted, request.options.seed),
         sigmas));
+  if (refitted->rows.size() == d.baseline.rows.size()) {
+    const auto misfit = [](const FieldData& data, const FieldFit& at) {
+      return misfit_of(data.sequences, at.rows, at.at.fit.residuals).chi2;
+    };
+    const auto with = misfit(d.data, d.baseline), without = misfit(free_of_grid, *refitted);
+    for (const std::size_t kind : {0UL, 1UL})
+      d.taken_by_grid[kind] = std::max(0.0, with[kind] - without[kind]);
+  }
   d.data = std::move(free_of_grid);
   d.baseline = std::move(*refitted);
   if (d.held_out.sequences.empty()) return {};
@@ -124,6 +142,19 @@ Expected<void> check_grid(const SheetRequest& request, const Control& control, S
                                 field_options(control));
   if (!foretold) return tl::unexpected(foretold.error());
   d.held_out_baseline = std::move(*foretold);
+  return {};
+}
+
+}  // namespace
+
+Expected<void> check_grid(const SheetRequest& request, const Control& control, SheetDiagnosis& d) {
+  if (!misses_something(d)) return {};
+  SheetDiagnosis changed = d;  // as it was, if any of it fails
+  auto compared = compare_grids(request, control, changed);
+  if (compared) d = std::move(changed);
+  if (compared || compared.error().kind == ErrorKind::cancelled) return compared;
+  d.checklist.push_back({"WARNING", "The simulated grid was not compared with a finer one",
+                         compared.error().message});
   return {};
 }
 

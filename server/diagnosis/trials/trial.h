@@ -91,6 +91,7 @@ std::string compare_held_out(Trial& trial, const estimation::HeldOut& earlier,
 bool is_within_form(double gain, double taken, double form);
 constexpr double kFormOfCurves = 0.13;
 constexpr double kFormOfSheets = 0.3;  ///< frames are few, and cells are coarse
+constexpr double kFormOfGrid = 0.5;    ///< its error is told from two grids
 
 /// The objection to a trial that no left-out data could judge.
 inline constexpr const char* kNothingLeftOut = "there is nothing that could be left out";

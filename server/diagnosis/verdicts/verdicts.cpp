@@ -11,6 +11,7 @@
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/trials/model_edit.h"
 #include "server/diagnosis/verdicts/effect_size.h"
+#include "server/diagnosis/verdicts/neighbours.h"
 #include "server/diagnosis/verdicts/score.h"
 #include "server/diagnosis/verdicts/verdict_words.h"
 
@@ -186,6 +187,14 @@ void add_unexplained(Diagnosis& d, const estimation::FitResult& last, bool anyth
   d.verdicts.push_back(std::move(verdict));
 }
 
+/// Neither repeats nor the captures say how large the noise is.
+bool knows_only_neighbours(const estimation::Noise& noise) {
+  for (const auto& channels : noise.channels)
+    for (const estimation::ChannelNoise& channel : channels)
+      if (channel.source != estimation::NoiseSource::scatter) return false;
+  return true;
+}
+
 }  // namespace
 
 double noise_chi2(const Diagnosis& d) {
@@ -210,12 +219,18 @@ bool irreproducible(const Diagnosis& d) {
   return false;
 }
 
-bool lacks_fit_still(const Diagnosis& d, const estimation::FitResult& last) {
+bool misses_more_than_noise(const Diagnosis& d, const estimation::FitResult& last) {
   // of the noise's power: less, noise that is not alike everywhere has too
   constexpr double kLeast = 0.125;
-  const double expected = noise_chi2(d);
   return (d.last_screen.lack_of_fit > 1.0 || irreproducible(d)) &&
-         last.chi2 > (1.0 + kLeast) * expected;
+         last.chi2 > (1.0 + kLeast) * noise_chi2(d);
+}
+
+bool lacks_fit_still(const Diagnosis& d, const estimation::FitResult& last) {
+  constexpr double kAlike = 2.33;  // 1 % of white noise
+  return misses_more_than_noise(d, last) &&
+         (!knows_only_neighbours(d.noise) ||
+          neighbours_alike(d.data->rows(), last.residuals) > kAlike);
 }
 
 void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Excitation& excitation,

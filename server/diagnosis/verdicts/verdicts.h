@@ -22,7 +22,10 @@ void pass_verdicts(Diagnosis& d, const std::vector<Finding>& findings, const Exc
 double noise_chi2(const Diagnosis& d);
 /// Repeats differ smoothly by far more than neighbouring samples scatter.
 bool irreproducible(const Diagnosis& d);
-/// A fit to the data still misses more than the noise.
+/// A fit to the data still misses more than the noise is thought to be.
+bool misses_more_than_noise(const Diagnosis& d, const estimation::FitResult& last);
+/// The same, and where nothing but neighbouring readings says how large the noise is, what is
+/// missed goes on from one to the next.
 bool lacks_fit_still(const Diagnosis& d, const estimation::FitResult& last);
 
 }  // namespace tenter::diagnosis

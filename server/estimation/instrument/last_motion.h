@@ -3,8 +3,9 @@
 //
 //   +1 where `travel` last grew, -1 where it last fell, 0 before it first moved
 //
-// What is below a hundredth of its range is taken for standing still, and a turn is dated to where
-// the travel left its extreme for good.
+// What is below a hundredth of its range is no turn, and a turn is dated to where the travel left
+// its extreme for good: by more than its own noise, which its second differences show. Where it
+// turned between two frames, the larger of them belongs to the way that it lies on.
 //
 // Pure; linear in the frames.
 #pragma once

@@ -67,6 +67,9 @@ Expected<void> run_sheet_diagnosis(const JobInput& input, const json& spec,
   if (!read) return tl::unexpected(read.error());
   found.options = std::move(*read);
   if (has_springs(found.start)) found.options.has_graded_grid = false;
+  // a material is blamed after the grid; equal cells, as springs need, tell nothing of a finer one
+  if (!spec.value("options", json::object()).contains("without_grid_error"))
+    found.options.without_grid_error = found.options.has_graded_grid;
   report({"prepare", std::to_string(ids.size()) + " captures", 0, 0.0, 0.01});
   auto inputs = sheet_inputs(std::move(captures), found.options);
   if (!inputs) return tl::unexpected(inputs.error());

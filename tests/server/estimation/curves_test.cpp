@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/estimation/curves.h"
+#include "server/estimation/thinning.h"
 
 #include <gtest/gtest.h>
 

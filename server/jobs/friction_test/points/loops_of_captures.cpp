@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "server/estimation/curves.h"
+#include "server/estimation/thinning.h"
 #include "server/jobs/friction_test/axis_of_cloth.h"
 
 namespace tenter::jobs {

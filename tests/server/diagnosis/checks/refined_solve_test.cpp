@@ -5,6 +5,7 @@
 
 #include "common/model/catalogue.h"
 #include "server/diagnosis/prepare.h"
+#include "server/estimation/thinning.h"
 #include "tests/server/estimation/fixtures.h"
 
 namespace tenter::diagnosis {

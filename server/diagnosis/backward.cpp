@@ -69,7 +69,7 @@ void go_backward(Diagnosis& d, Reference& current, std::vector<Accepted>& accept
 }
 
 void drop_stand_ins(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted) {
-  if (!lacks_fit_still(d, d.extended.fit)) return;
+  if (!misses_more_than_noise(d, d.extended.fit)) return;
   const double missed = d.baseline.fit.chi2 - noise_chi2(d);
   const double unexplained = missed > 0.0 ? (d.extended.fit.chi2 - noise_chi2(d)) / missed : 0.0;
   std::map<std::string, double> best;

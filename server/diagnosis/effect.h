@@ -82,11 +82,11 @@ using Setting = std::vector<std::pair<std::string, double>>;
 struct Variant {
   std::string words;  ///< "weft and warp"
   std::vector<model::Term> append;
+  bool parts_are_one = false;  ///< of terms or of corrections: each alone may be as good as off
   std::vector<std::pair<std::string, model::Law>>
       replace;                     ///< term id -> law that equals it when off
   std::vector<std::string> unfix;  ///< parameters freed
   std::vector<model::SensorCorrection> corrections;
-  bool corrections_are_one = false;  ///< each alone may be as good as off
   std::vector<model::Field> fields;  ///< samples of the material that supports of `append` refer to
   std::vector<Setting> grid;  ///< start values of what enters nonlinearly; empty: nothing does
   int searched =

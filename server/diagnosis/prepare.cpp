@@ -67,6 +67,38 @@ void keep_flat_tops(const std::vector<Curves>& curves, std::vector<estimation::O
   });
 }
 
+/// All stiffnesses times one factor where the forces at the start values miss by more than the
+/// forces themselves: free directions stay where they are, so that it can be had without a search.
+/// A search from there would stop where a free direction comes to no rest.
+model::Model with_start_in_reach(model::Model model, const DataPointer& data) {
+  estimation::adapt_spline_ranges(model, data->curves);
+  auto evaluator = estimation::Evaluator::make(model, data);
+  Eigen::VectorXd residuals;
+  if (!evaluator || evaluator->evaluate(estimation::parameter_values(model), residuals, nullptr) !=
+                        mechanics::PathStatus::ok)
+    return model;
+  const std::vector<double> shown = evaluator->predicted(residuals);
+  double across = 0.0, square = 0.0, measured_square = 0.0, missed = 0.0;
+  for (std::size_t r = 0; r < shown.size(); ++r) {
+    const estimation::Row& row = evaluator->rows()[r];
+    const estimation::Curves& curves = data->curves[static_cast<std::size_t>(row.curve)];
+    if (!curves.channels[static_cast<std::size_t>(row.channel)].is_stress) continue;
+    const double sigma = data->sigma_of(row);
+    const double predicted = shown[r] / sigma;
+    const double measured = predicted - residuals[static_cast<Eigen::Index>(r)];
+    across += predicted * measured;
+    square += predicted * predicted;
+    measured_square += measured * measured;
+    missed += (predicted - measured) * (predicted - measured);
+  }
+  if (missed <= measured_square || across <= 0.0) return model;
+  for (model::Parameter* p : estimation::parameters_of(model))
+    if (!p->fixed && p->unit.find('N') != std::string::npos)
+      p->value = std::clamp(p->value * across / square, p->lower.value_or(-1e300),
+                            p->upper.value_or(1e300));
+  return model;
+}
+
 }  // namespace
 
 DataSet thinned(const DataSet& full, int max_frames_per_block) {
@@ -142,7 +174,7 @@ Expected<Prepared> prepare(const Request& request, const Control& control) {
   DataSet full = first_data(prepared.curves);
   auto coarse =
       std::make_shared<const DataSet>(thinned(full, request.options.max_frames_per_block));
-  auto reference = make_reference(request.model, coarse, options);
+  auto reference = make_reference(with_start_in_reach(request.model, coarse), coarse, options);
   if (!reference) return tl::unexpected(reference.error());
 
   // isolated misreadings on every frame, seen against the first fit

@@ -44,6 +44,7 @@ Effect heterogeneity() {
       if (place.name != "weft" && place.name != "warp" && place.name != "shear") continue;
       Variant variant;
       variant.words = place.name + " over the material";
+      variant.parts_are_one = true;  // not every place is stretched
       variant.fields.push_back(field);
       const model::Term* own = constant_stiffness(model, place);
       if (own != nullptr) {

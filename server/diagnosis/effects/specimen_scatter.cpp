@@ -37,7 +37,7 @@ Effect specimen_scatter() {
       }
     for (const model::SensorCorrection& known : model.corrections)
       if (known.effect == "specimen_scatter") return std::vector<Variant>();
-    variant.corrections_are_one = true;  // some specimen is like the first
+    variant.parts_are_one = true;  // some specimen is like the first
     variant.words = std::to_string(variant.corrections.size() + 1) + " captures";
     return std::vector<Variant>{std::move(variant)};
   };

@@ -133,17 +133,39 @@ estimation::HeldOut as_held_out(const FieldFit& fit) {
   return result;
 }
 
+/// What the smaller model misses of what is left out, in channels of the kind, positions or all
+/// else, that the trial is about: the noise of many positions may be off by more than forces miss.
+/// `noise`: of a row.
+double above_noise(std::size_t kind, const std::vector<estimation::Sequence>& sequences,
+                   const std::vector<estimation::Row>& rows, const estimation::HeldOut& left_out,
+                   double noise) {
+  const Misfit missed =
+      misfit_of(sequences, rows, left_out.residuals.cwiseProduct(left_out.left_out));
+  const Misfit seen = misfit_of(sequences, rows, left_out.left_out);
+  return std::max(0.0, missed.chi2[kind] - noise * seen.chi2[kind]);
+}
+
+/// 0 where a trial explains more of positions, else 1.
+std::size_t kind_of_gain(const FieldTrial& trial, const FieldFit& before, const FieldData& data) {
+  const auto chi2 = [&](const Eigen::VectorXd& residuals) {
+    return misfit_of(data.sequences, before.rows, residuals).chi2;
+  };
+  const auto was = chi2(before.at.fit.residuals), is = chi2(trial.trial.fit.residuals);
+  return was[0] - is[0] > was[1] - is[1] ? 0 : 1;
+}
+
 std::string held_out_objection(FieldTrial& trial, const FieldFit& before, const FieldData& data,
                                const HeldOutSheets& held_out, double expected_chi2,
                                const FieldFitOptions& options) {
+  const std::size_t kind = kind_of_gain(trial, before, data);
   if (held_out.data != nullptr) {
     const auto after =
         predict_field(trial.trial.model, *held_out.data, held_out.before.states, options);
     if (after) {
       const estimation::HeldOut earlier = as_held_out(held_out.before), later = as_held_out(*after);
-      std::string objection =
-          compare_held_out(trial.trial, earlier, later, after->rows, held_out.data->block_count(),
-                           "captures", static_cast<double>(after->rows.size()));
+      std::string objection = compare_held_out(
+          trial.trial, earlier, later, after->rows, held_out.data->block_count(), "captures",
+          above_noise(kind, held_out.data->sequences, after->rows, earlier, 1.0));
       const bool speaks_against = later.chi2 - earlier.chi2 > trial.trial.held_out_error;
       if (objection.empty() || speaks_against) return objection;
     }
@@ -162,8 +184,10 @@ std::string held_out_objection(FieldTrial& trial, const FieldFit& before, const 
     is_done = failed < 0 || folds.training.size() <= 2;
     if (!is_done) folds.training.erase(folds.training.begin() + failed);
   }
-  return compare_held_out(trial.trial, earlier, after, before.rows, data.block_count(), folds.kind,
-                          expected_chi2);
+  const double noise = expected_chi2 / static_cast<double>(before.rows.size());
+  return compare_held_out(
+      trial.trial, earlier, after, before.rows, data.block_count(), folds.kind,
+      earlier.usable ? above_noise(kind, data.sequences, before.rows, earlier, noise) : 0.0);
 }
 
 }  // namespace

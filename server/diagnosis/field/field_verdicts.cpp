@@ -102,22 +102,50 @@ Verdict verdict_for(const SheetDiagnosis& d, const std::string& id,
   return verdict;
 }
 
+/// Of positions and of all else: what is left is no more than the estimate of the grid's error may
+/// miss.
+std::array<bool, 2> within_grid(const SheetDiagnosis& d) {
+  const Misfit left = misfit_of(d.data.sequences, d.extended.rows, d.extended.at.fit.residuals);
+  std::array<bool, 2> is_within = {false, false};
+  for (const std::size_t kind : {0UL, 1UL})
+    is_within[kind] =
+        is_within_form(left.chi2[kind] - left.rows[kind], d.taken_by_grid[kind], kFormOfGrid);
+  return is_within;
+}
+
+/// Nothing would be missed if the noise were as the captures state it.
+bool is_within_stated(const SheetDiagnosis& d) {
+  return std::ranges::all_of(d.structure_left, [&](const Structure& s) {
+    double factor = 1.0;
+    for (const FieldNoise::Kind& kind : d.noise.kinds)
+      if (kind.sequence == s.sequence && kind.kind == s.kind) factor = kind.factor;
+    return s.chi2 * factor * factor <= 1.1 * s.rows;
+  });
+}
+
 void add_unexplained(SheetDiagnosis& d, bool anything_found) {
   const double expected = expected_chi2(d.baseline);
   const double missed = std::max(0.0, d.baseline.at.fit.chi2 - expected);
   const double left = std::max(0.0, d.extended.at.fit.chi2 - expected_chi2(d.extended));
   d.unexplained_share = missed > 0.0 ? std::min(1.0, left / missed) : 0.0;
   // a tenth of the noise's power in some kind of channel is worth a word
+  const std::array<bool, 2> is_of_grid = within_grid(d);
   bool lacks_fit = false;
-  for (const Structure& s : d.structure_left)
-    lacks_fit =
-        lacks_fit || (s.rows > 0 && s.chi2 > 1.1 * s.rows && d.last_screen.lack_of_fit > 1.0);
+  for (const Structure& s : d.structure_left) {
+    const std::size_t kind = s.kind == estimation::ObservationKind::position ? 0 : 1;
+    lacks_fit = lacks_fit || (s.rows > 0 && s.chi2 > 1.1 * s.rows &&
+                              d.last_screen.lack_of_fit > 1.0 && !is_of_grid[kind]);
+  }
   if (!lacks_fit) {
     d.unexplained_share = 0.0;
     if (!anything_found) d.verdicts.push_back(nothing_found(d.noise_floor));
     return;
   }
   Verdict verdict = unexplained(d, d.after.error);
+  if (is_within_stated(d))
+    verdict.words +=
+        " It is within the noise that the captures state, of which neighbouring frames show less: "
+        "noise that they share would look like this too, and a repeat would tell.";
   for (const Structure& s : d.structure_left) {
     if (s.kind != estimation::ObservationKind::position || s.rows == 0) continue;
     const std::string& name = d.data.sequences[static_cast<std::size_t>(s.sequence)].name;

@@ -17,7 +17,7 @@ Variant without_grids(const Variant& variant) {
   copy.replace = variant.replace;
   copy.unfix = variant.unfix;
   copy.corrections = variant.corrections;
-  copy.corrections_are_one = variant.corrections_are_one;
+  copy.parts_are_one = variant.parts_are_one;
   copy.fields = variant.fields;
   copy.searched = variant.searched;
   return copy;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/model/catalogue.h"
+#include "server/diagnosis/trials/at_rest.h"
 
 namespace tenter::diagnosis {
 
@@ -173,7 +174,14 @@ void check_parameters(Trial& trial) {
                                  std::to_string(static_cast<int>(std::min(error * 100.0, 999.0))) +
                                  " %");
   };
-  for (const model::Term& term : trial.variant.append) check({{term.id, 0.0}});
+  std::vector<std::pair<std::string, double>> terms;
+  for (const model::Term& term : trial.variant.append) {
+    terms.emplace_back(term.id, 0.0);
+    if (!trial.variant.parts_are_one) check({terms.back()});
+    // parts of one take the place of what is alike everywhere, from its value on
+    terms.back().second = term.law.parameters.front().value;
+  }
+  if (trial.variant.parts_are_one && !terms.empty()) check(terms);
   check_hallmarks(names, trial);
   std::vector<std::pair<std::string, double>> corrections;
   for (const model::SensorCorrection& c : trial.variant.corrections) {
@@ -181,9 +189,9 @@ void check_parameters(Trial& trial) {
     for (const model::Seen seen : {model::Seen::curves, model::Seen::sheets})
       if (row == nullptr) row = model::find_correction(c.type, seen);
     corrections.emplace_back(c.id, row->parameters.front().value);
-    if (!trial.variant.corrections_are_one) check({corrections.back()});
+    if (!trial.variant.parts_are_one) check({corrections.back()});
   }
-  if (trial.variant.corrections_are_one) check(corrections);
+  if (trial.variant.parts_are_one && !corrections.empty()) check(corrections);
 }
 
 double jump_of(const std::vector<double>& before, const std::vector<double>& after) {
@@ -245,7 +253,7 @@ void check_step(Trial& trial, const Reference& before, const std::vector<estimat
 std::string compare_held_out(Trial& trial, const estimation::HeldOut& earlier,
                              const estimation::HeldOut& after,
                              const std::vector<estimation::Row>& rows, int blocks,
-                             const std::string& kind, double expected_chi2) {
+                             const std::string& kind, double above_noise) {
   if (!after.usable || !earlier.usable) return "a refit without one of the " + kind + " failed";
   trial.folds = kind;
   trial.held_out_before = earlier.chi2;
@@ -261,8 +269,6 @@ std::string compare_held_out(Trial& trial, const estimation::HeldOut& earlier,
                 static_cast<double>(std::max<std::size_t>(1, a.size() - 1));
   trial.held_out_error = std::sqrt(variance * static_cast<double>(a.size()));
   const double gain = earlier.chi2 - after.chi2;
-  const double share = earlier.left_out.sum() / static_cast<double>(earlier.left_out.size());
-  const double above_noise = std::max(0.0, earlier.chi2 - expected_chi2 * share);
   if (gain < trial.held_out_error)
     return "on left-out " + kind + " the gain is within its own standard error";
   if (gain < 0.05 * above_noise)
@@ -282,8 +288,9 @@ std::string held_out_objection(Trial& trial, const Reference& before, const Data
   const estimation::HeldOut after = estimation::cross_validate(larger, trial.model, folds, options);
   const estimation::HeldOut earlier =
       estimation::cross_validate(smaller, before.model, folds, options);
+  const double share = earlier.left_out.sum() / static_cast<double>(earlier.left_out.size());
   return compare_held_out(trial, earlier, after, larger.rows(), data->block_count(), folds.kind,
-                          expected_chi2);
+                          std::max(0.0, earlier.chi2 - expected_chi2 * share));
 }
 
 /// The hardest kind of left-out data that can judge the trial counts: at least two folds of it in
@@ -344,6 +351,8 @@ void judge(Trial& trial, const Reference& before, const DataPointer& data, doubl
     trial.objections.push_back("an F test on independent rows gives it p = " +
                                std::to_string(trial.p_value));
   check_parameters(trial);
+  if (std::string why = objection_at_rest(trial, data); !why.empty())
+    trial.objections.push_back(std::move(why));
   if (!trial.effect->in_every_run) check_step(trial, before, data->rows());
   if (!trial.effect->in_every_run || !trial.objections.empty()) return;
 

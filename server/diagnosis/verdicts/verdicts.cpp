@@ -164,6 +164,14 @@ const estimation::FitResult* add_unproven(Diagnosis& d, const Options& options) 
   return &best.fit;
 }
 
+/// Neither repeats nor the captures say how large the noise is.
+bool knows_only_neighbours(const estimation::Noise& noise) {
+  for (const auto& channels : noise.channels)
+    for (const estimation::ChannelNoise& channel : channels)
+      if (channel.source != estimation::NoiseSource::scatter) return false;
+  return true;
+}
+
 /// `last`: of the model that explains most.
 void add_unexplained(Diagnosis& d, const estimation::FitResult& last, bool anything_found) {
   const double expected = noise_chi2(d);
@@ -181,18 +189,13 @@ void add_unexplained(Diagnosis& d, const estimation::FitResult& last, bool anyth
   if (!anything_found && !d.unproven.empty())
     verdict.words += " It could be " + d.unproven.front().effect->words +
                      ", but nothing could be left out to prove it: pull again.";
+  if (!anything_found && knows_only_neighbours(d.noise))
+    verdict.words +=
+        " Noise that neighbouring readings share would look like this too: a repeat would tell.";
   if (irreproducible(d))
     verdict.words +=
         " Repeats of the same path differ smoothly by far more than neighbouring samples scatter.";
   d.verdicts.push_back(std::move(verdict));
-}
-
-/// Neither repeats nor the captures say how large the noise is.
-bool knows_only_neighbours(const estimation::Noise& noise) {
-  for (const auto& channels : noise.channels)
-    for (const estimation::ChannelNoise& channel : channels)
-      if (channel.source != estimation::NoiseSource::scatter) return false;
-  return true;
 }
 
 }  // namespace

@@ -193,12 +193,12 @@ TEST(Directions, StandStillBelowAHundredthAndTurnWhereTheExtremeIsLeft) {
   }
   curves.path.start.front() = mechanics::FrameStart::virgin;
   const std::vector<double> expected = {1, 1, 1, 1, 1, 1, 1, -1, -1, 1, 1};
-  EXPECT_EQ(directions_of(curves, 0), expected);
-  EXPECT_EQ(directions_of(curves, 1), std::vector<double>(expected.size(), 0.0));
+  EXPECT_EQ(last_motions_of(curves, 0), expected);
+  EXPECT_EQ(last_motions_of(curves, 1), std::vector<double>(expected.size(), 0.0));
   curves.path.start[8] = mechanics::FrameStart::rested;  // another run, from there on
-  EXPECT_EQ(directions_of(curves, 0)[8], 1.0);
+  EXPECT_EQ(last_motions_of(curves, 0)[8], 1.0);
   curves.path.is_free[0] = true;
-  EXPECT_EQ(directions_of(curves, 0), std::vector<double>(expected.size(), 0.0));
+  EXPECT_EQ(last_motions_of(curves, 0), std::vector<double>(expected.size(), 0.0));
 }
 
 TEST(Corrections, AreOffAtTheirDefaults) {

@@ -230,6 +230,25 @@ Sequences deviations_of_channel(const std::vector<Sequences>& places) {
   return result;
 }
 
+/// One instrument read all captures: what the scatter of each says of it differs by what they did.
+void pool_scatter(const DataSet& data, Noise& noise) {
+  std::map<std::string, std::pair<double, double>> squares;  // by channel: their sum, how many
+  const auto each = [&](auto&& visit) {
+    for (std::size_t i = 0; i < data.curves.size(); ++i)
+      for (std::size_t c = 0; c < noise.channels[i].size(); ++c)
+        if (noise.channels[i][c].source == NoiseSource::scatter)
+          visit(squares[data.curves[i].channels[c].name], noise.channels[i][c]);
+  };
+  each([](auto& sum, const ChannelNoise& entry) {
+    sum.first += entry.sigma * entry.sigma;
+    sum.second += 1.0;
+  });
+  each([](const auto& sum, ChannelNoise& entry) {
+    if (entry.floor_sigma == entry.sigma) entry.floor_sigma = std::sqrt(sum.first / sum.second);
+    entry.sigma = std::sqrt(sum.first / sum.second);
+  });
+}
+
 }  // namespace
 
 const char* noise_source_words(NoiseSource source) {
@@ -335,6 +354,7 @@ Noise estimate_noise(const DataSet& data, const std::vector<Row>& rows,
       noise.channels[i].push_back(entry);
     }
   }
+  pool_scatter(data, noise);
   // whitened pool: every sequence over the sigma of its channel
   for (const auto& [name, sequences] : repeats) {
     double sigma = 0.0;

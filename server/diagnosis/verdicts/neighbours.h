@@ -11,9 +11,9 @@
 
 namespace tenter::diagnosis {
 
-/// Sum of the products of neighbours within one block and channel, over its standard deviation where
-/// signs are random: standard normal for white noise whatever its size from place to place (many
-/// rows); 0 where no two are neighbours.
+/// Sum of the products of neighbours within one block and channel, over its standard deviation
+/// where signs are random: standard normal for white noise whatever its size from place to place
+/// (many rows); 0 where no two are neighbours.
 double neighbours_alike(const std::vector<estimation::Row>& rows, const Eigen::VectorXd& residuals);
 
 }  // namespace tenter::diagnosis

@@ -16,6 +16,7 @@
 #include "server/diagnosis/checks/repeats_check.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/screening/shortlist.h"
+#include "server/diagnosis/trials/at_rest.h"
 #include "server/diagnosis/trials/exchange.h"
 #include "server/diagnosis/trials/gain.h"
 #include "server/diagnosis/trials/model_edit.h"
@@ -130,7 +131,9 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
     entry.trial = trials[chosen];
     entry.before_chi2 = current.fit.chi2;
     for (std::size_t i = 0; i < trials.size(); ++i)
-      if (i != chosen && trials[i].effect != entry.trial.effect) entry.rivals.push_back(trials[i]);
+      if (i != chosen && trials[i].effect != entry.trial.effect &&
+          objection_at_rest(trials[i], d.data).empty())
+        entry.rivals.push_back(trials[i]);
     current = reference_of(entry.trial);
     PathStep step = step_of("add", entry.trial.effect->id, entry.trial.variant.words, current, d);
     step.p_value = entry.trial.p_value;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <string>
 
 namespace tenter::estimation {
 namespace {
@@ -230,22 +231,42 @@ Sequences deviations_of_channel(const std::vector<Sequences>& places) {
   return result;
 }
 
-/// One instrument read all captures: what the scatter of each says of it differs by what they did.
+/// Along which axis, and which directions are free, which are moved and which are held.
+std::string setup_of(const Curves& curves) {
+  std::string setup = " " + std::to_string(curves.path.axis_angle_rad) + " ";
+  for (int i = 0; i < 3; ++i) {
+    double lo = 1e300, hi = -1e300;
+    for (const Eigen::Vector3d& q : curves.path.q) lo = std::min(lo, q[i]), hi = std::max(hi, q[i]);
+    const bool is_free = curves.path.is_free[static_cast<std::size_t>(i)];
+    setup += is_free ? 'f' : hi > lo ? 'm' : 'h';
+  }
+  return setup;
+}
+
+/// Captures of one set-up have one noise, of which the scatter of each says more or less by what it
+/// did. One that scatters much further has a noise of its own, one that scatters much less keeps
+/// some of its weight.
 void pool_scatter(const DataSet& data, Noise& noise) {
-  std::map<std::string, std::pair<double, double>> squares;  // by channel: their sum, how many
+  std::map<std::string, std::pair<double, double>> squares;  // their sum, how many
+  std::vector<std::string> setups;
+  for (const Curves& curves : data.curves) setups.push_back(setup_of(curves));
   const auto each = [&](auto&& visit) {
     for (std::size_t i = 0; i < data.curves.size(); ++i)
       for (std::size_t c = 0; c < noise.channels[i].size(); ++c)
         if (noise.channels[i][c].source == NoiseSource::scatter)
-          visit(squares[data.curves[i].channels[c].name], noise.channels[i][c]);
+          visit(squares[data.curves[i].channels[c].name + setups[i]], noise.channels[i][c]);
   };
   each([](auto& sum, const ChannelNoise& entry) {
     sum.first += entry.sigma * entry.sigma;
     sum.second += 1.0;
   });
   each([](const auto& sum, ChannelNoise& entry) {
-    if (entry.floor_sigma == entry.sigma) entry.floor_sigma = std::sqrt(sum.first / sum.second);
-    entry.sigma = std::sqrt(sum.first / sum.second);
+    constexpr double kFurther = 1.5, kLess = 0.25;
+    const double pooled = std::sqrt(sum.first / sum.second);
+    if (entry.sigma > kFurther * pooled) return;
+    const double sigma = std::min(pooled, entry.sigma / kLess);
+    if (entry.floor_sigma == entry.sigma) entry.floor_sigma = sigma;
+    entry.sigma = sigma;
   });
 }
 

@@ -266,12 +266,21 @@ Part part_of(const Chain& chain, const FieldFinding& finding, double noise) {
   return best;
 }
 
+/// Positions or all else are missed by more than a tenth of the noise's power: thousands of points
+/// would outvote the forces.
+bool misses_a_kind(const Chain& chain, double expected) {
+  const Misfit now =
+      misfit_of(chain.d.data.sequences, chain.current.rows, chain.current.at.fit.residuals);
+  const double noise = expected / (now.rows[0] + now.rows[1]);
+  return now.chi2[0] > 1.1 * noise * now.rows[0] || now.chi2[1] > 1.1 * noise * now.rows[1];
+}
+
 /// Where the model still misses more than the noise, an effect that explained little of what was
 /// missed when it came in is a stand-in for something that the catalogue lacks: it gets no name.
 void drop_stand_ins(Chain& chain) {
   SheetDiagnosis& d = chain.d;
   const double expected = expected_chi2(d.baseline);
-  if (!(d.last_screen.lack_of_fit > 1.0) || chain.current.at.fit.chi2 <= 1.1 * expected) return;
+  if (!(d.last_screen.lack_of_fit > 1.0) || !misses_a_kind(chain, expected)) return;
   std::map<std::string, Part> best;
   for (const FieldFinding& f : chain.accepted) {
     const Part part = part_of(chain, f, expected / static_cast<double>(d.baseline.rows.size()));

@@ -94,6 +94,32 @@ bool misses_something(const SheetDiagnosis& d) {
   return false;
 }
 
+/// Sequences that are missed by more without the grid's error keep it; how many.
+int put_back_worse(SheetDiagnosis& d, const FieldFit& without, FieldData& free_of_grid) {
+  const auto by_sequence = [&](const FieldFit& fit) {
+    std::vector<double> chi2(d.data.sequences.size(), 0.0);
+    for (std::size_t r = 0; r < fit.rows.size(); ++r)
+      chi2[static_cast<std::size_t>(fit.rows[r].curve)] +=
+          std::pow(fit.at.fit.residuals[static_cast<Eigen::Index>(r)], 2);
+    return chi2;
+  };
+  const std::vector<double> before = by_sequence(d.baseline), after = by_sequence(without);
+  const auto misfit = [](const FieldData& data, const FieldFit& at) {
+    return misfit_of(data.sequences, at.rows, at.at.fit.residuals).chi2;
+  };
+  const auto with_all = misfit(d.data, d.baseline), without_all = misfit(free_of_grid, without);
+  int worse = 0;
+  for (std::size_t s = 0; s < before.size(); ++s) {
+    if (after[s] <= before[s] + kDecisive) continue;
+    free_of_grid.sequences[s] = d.data.sequences[s];
+    ++worse;
+  }
+  // how far the grids differ there is as far as nobody knows
+  for (const std::size_t kind : {0UL, 1UL})
+    if (worse > 0) d.taken_by_grid[kind] = std::max(0.0, without_all[kind] - with_all[kind]);
+  return worse;
+}
+
 /// How far the grid's error went, and with which baseline after it.
 Expected<void> compare_grids(const SheetRequest& request, const Control& control,
                              SheetDiagnosis& d) {
@@ -106,6 +132,16 @@ Expected<void> compare_grids(const SheetRequest& request, const Control& control
   auto refitted =
       fit_field(d.baseline.at.model, free_of_grid, d.baseline.states, field_options(control));
   if (!refitted) return tl::unexpected(refitted.error());
+  if (const int worse = put_back_worse(d, *refitted, free_of_grid); worse > 0) {
+    d.checklist.push_back(
+        {"WARNING", "A finer grid is no better for some captures",
+         std::to_string(worse) + " of " + std::to_string(d.data.sequences.size()) +
+             " would be missed by more without the estimate of its error, as where "
+             "only one of the grids wrinkles: they stay as they were read"});
+    refitted =
+        fit_field(d.baseline.at.model, free_of_grid, d.baseline.states, field_options(control));
+    if (!refitted) return tl::unexpected(refitted.error());
+  }
   const double missed = d.baseline.at.fit.chi2 - expected_chi2(d.baseline);
   const double left = std::max(0.0, refitted->at.fit.chi2 - expected_chi2(*refitted));
   const double share = missed > 0.0 ? std::clamp(1.0 - left / missed, 0.0, 1.0) : 0.0;
@@ -128,7 +164,7 @@ Expected<void> compare_grids(const SheetRequest& request, const Control& control
     };
     const auto with = misfit(d.data, d.baseline), without = misfit(free_of_grid, *refitted);
     for (const std::size_t kind : {0UL, 1UL})
-      d.taken_by_grid[kind] = std::max(0.0, with[kind] - without[kind]);
+      d.taken_by_grid[kind] += std::max(0.0, with[kind] - without[kind]);
   }
   d.data = std::move(free_of_grid);
   d.baseline = std::move(*refitted);

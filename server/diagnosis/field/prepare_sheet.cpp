@@ -96,6 +96,61 @@ Expected<model::Model> started(const SheetRequest& request, const Control& contr
   return model;
 }
 
+/// Stiffnesses that the captures do not determine and that ran away are held at their start values,
+/// times what the fit made of those that it determined: a sheet that resists nothing in shear, or
+/// everything, comes to no rest in the next fit. `jacobian` of the fit; none, where that failed:
+/// then whoever ran away is held. Their names.
+std::vector<std::string> hold_undetermined(const model::Model& start,
+                                           const estimation::RowMatrix* jacobian,
+                                           model::Model& held) {
+  constexpr double kDetermined = 10.0, kUnseen = 3.0;  // standard deviations of all readings
+  constexpr double kAway = 30.0;                       // a factor on the start value
+  const auto names = estimation::parameter_names(held);
+  const auto before = estimation::parameters_of(start);
+  const auto after = estimation::parameters_of(held);
+  std::vector<std::string> away;
+  if (before.size() != after.size()) return away;
+  const auto shown = [&](std::size_t i, double value) {
+    return jacobian->col(static_cast<Eigen::Index>(i)).norm() * std::abs(value);
+  };
+  const auto is_stiffness = [&](std::size_t i) {
+    return after[i]->unit == "N/m" && !after[i]->fixed && before[i]->value > 0.0;
+  };
+  std::vector<double> factors;
+  for (std::size_t i = 0; i < after.size(); ++i)
+    if (is_stiffness(i) && (jacobian == nullptr || shown(i, after[i]->value) > kDetermined))
+      factors.push_back(after[i]->value / before[i]->value);
+  if (factors.empty()) return away;
+  std::sort(factors.begin(), factors.end());
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    if (!is_stiffness(i)) continue;
+    const double usual = before[i]->value * factors[(factors.size() - 1) / 2];
+    const bool ran = after[i]->value > kAway * usual || after[i]->value < usual / kAway;
+    if (!ran) continue;
+    if (jacobian != nullptr && shown(i, std::min(after[i]->value, usual)) > kUnseen) continue;
+    after[i]->value = usual;
+    after[i]->fixed = true;
+    away.push_back(names[i]);
+  }
+  return away;
+}
+
+/// The first fit of the baseline, with what ran away held.
+Expected<FieldFit> first_fit(const model::Model& start, const model::Model& model,
+                             const FieldFitOptions& options, SheetDiagnosis& d) {
+  auto fit = fit_field(model, d.data, {}, options);
+  model::Model held = fit ? fit->at.model : model;
+  const std::vector<std::string> away =
+      hold_undetermined(start, fit ? &fit->at.fit.jacobian : nullptr, held);
+  if (away.empty()) return fit;
+  auto again = fit_field(held, d.data, {}, options);
+  if (!again) return fit;
+  for (const std::string& name : away)
+    d.checklist.push_back({"WARNING", "A stiffness that these captures do not determine is held",
+                           name + " ran away from its start value"});
+  return again;
+}
+
 /// What the baseline says of the captures that are held out; frames that have no rest with it are
 /// left out by name, and a capture of which none has one is said to tell nothing.
 Expected<void> foretell_held_out(const FieldFitOptions& options, SheetDiagnosis& d) {
@@ -146,7 +201,7 @@ Expected<SheetDiagnosis> prepare_sheets(const SheetRequest& request, const Contr
     control.report({"baseline", request.model.name, iteration, cost, 0.06});
     return !control.stop.stop_requested();
   };
-  auto fit = fit_field(*model, d.data, {}, options);
+  auto fit = first_fit(request.model, *model, options, d);
   // noise and fit depend on each other's weights: twice is enough
   for (int pass = 0; pass < 2 && fit; ++pass) {
     if (control.stop.stop_requested())

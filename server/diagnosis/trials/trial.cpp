@@ -124,9 +124,10 @@ double joint_relative_error(const Trial& trial, const std::vector<std::size_t>& 
   return wald > 0.0 ? 1.0 / std::sqrt(wald) : 1e300;
 }
 
-/// An effect whose own parameters are all at their bounds is another one that happens to be written
-/// with the same law.
+/// An effect whose own parameters are all at their bounds or within their errors of nothing is
+/// another one that happens to be written with the same law.
 void check_hallmarks(const std::vector<std::string>& names, Trial& trial) {
+  constexpr double kSurely = 2.0;  // standard errors
   const std::vector<std::string>& endings = trial.effect->hallmarks;
   if (endings.empty() || trial.variant.append.empty()) return;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -135,11 +136,13 @@ void check_hallmarks(const std::vector<std::string>& names, Trial& trial) {
     });
     const bool is_hallmark = std::ranges::any_of(
         endings, [&](const std::string& ending) { return names[i].ends_with(ending); });
-    if (is_own && is_hallmark && trial.fit.states[i] == ParameterState::free) return;
+    if (!is_own || !is_hallmark || trial.fit.states[i] != ParameterState::free) continue;
+    const auto k = static_cast<Eigen::Index>(i);
+    if (std::abs(trial.fit.parameters[k]) > kSurely * trial.fit.std_error[k]) return;
   }
   std::string all;
   for (const std::string& ending : endings) all += (all.empty() ? "" : ", ") + ending.substr(1);
-  trial.objections.push_back("what is its own (" + all + ") stands at a bound");
+  trial.objections.push_back("what is its own (" + all + ") is not surely there");
 }
 
 }  // namespace

@@ -95,7 +95,7 @@ TEST(Parameters, AnEffectHasWhatIsItsOwn) {
       trial.fit.states[i] = estimation::ParameterState::at_bound;
   check_parameters(trial);
   ASSERT_EQ(trial.objections.size(), 1U);
-  EXPECT_EQ(trial.objections.front(), "what is its own (b, c) stands at a bound");
+  EXPECT_EQ(trial.objections.front(), "what is its own (b, c) is not surely there");
 }
 
 /// A parameter more costs the logarithm of the rows that tell: forty of ten thousand do not tell a

@@ -66,8 +66,6 @@ std::vector<Trial> run_round(const std::vector<Candidate>& candidates, const Ref
   std::stable_sort(trials.begin(), trials.end(), [&](const Trial& a, const Trial& b) {
     return criterion_of(a, added_effects + 1, rows) < criterion_of(b, added_effects + 1, rows);
   });
-  general_forms_first(trials, current.fit.chi2, kFormOfCurves,
-                      [](const Trial& t) -> const Trial& { return t; });
   return trials;
 }
 

@@ -77,8 +77,6 @@ std::vector<FieldTrial> refit_all(const std::vector<Candidate>& candidates, cons
   std::stable_sort(trials.begin(), trials.end(), [&](const FieldTrial& a, const FieldTrial& b) {
     return criterion_of(a.trial, added, rows) < criterion_of(b.trial, added, rows);
   });
-  general_forms_first(trials, chain.current.at.fit.chi2, kFormOfSheets,
-                      [](const FieldTrial& t) -> const Trial& { return t.trial; });
   return trials;
 }
 

@@ -2,7 +2,6 @@
 // One candidate refitted, and whether it may be believed (design, step 7).
 #pragma once
 
-#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -92,32 +91,12 @@ std::string compare_held_out(Trial& trial, const estimation::HeldOut& earlier,
 bool is_within_form(double gain, double taken, double form);
 constexpr double kFormOfCurves = 0.13;
 constexpr double kFormOfSheets = 0.3;  ///< frames are few, and cells are coarse
-constexpr double kFormOfGrid = 0.5;    ///< its error is told from two grids
+constexpr double kFormOfGrid = 0.35;   ///< its error is told from two grids
 
 /// The objection to a trial that no left-out data could judge.
 inline constexpr const char* kNothingLeftOut = "there is nothing that could be left out";
 /// No other objection speaks against it.
 bool lacks_only_proof(const Trial& trial);
-
-/// Of trials in the order of their criterion: the general form of an effect before the sharper one
-/// that explains no more than what the form of the general one may miss.
-template <class T, class TrialOf>
-void general_forms_first(std::vector<T>& sorted, double before_chi2, double form,
-                         const TrialOf& trial_of) {
-  for (auto special = sorted.begin(); special != sorted.end();) {
-    const Trial& sharp = trial_of(*special);
-    const auto general = std::find_if(special, sorted.end(), [&](const T& other) {
-      return trial_of(other).effect->id == sharp.effect->special_form_of;
-    });
-    const bool is_first =
-        general != sorted.end() && is_within_form(trial_of(*general).fit.chi2 - sharp.fit.chi2,
-                                                  before_chi2 - trial_of(*general).fit.chi2, form);
-    if (is_first)
-      std::rotate(special, special + 1, general + 1);
-    else
-      ++special;
-  }
-}
 
 /// Share of what `before` missed beyond `expected_chi2` that `after` explains.
 double explained_share(double before, double after, double expected_chi2);

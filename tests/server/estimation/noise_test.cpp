@@ -121,6 +121,34 @@ TEST(Noise, WithoutRepeatsIsTheScatterOfNeighbours) {
   EXPECT_TRUE(noise.sequences.empty());
 }
 
+/// Of two captures of one set-up the one that happens to be smooth does not outweigh the other; one
+/// that is pulled along another axis is another specimen, with a noise of its own.
+TEST(Noise, OfNeighboursIsPooledOverOneSetUp) {
+  constexpr double kRough = 0.3, kSmooth = 0.15;
+  for (const double angle_rad : {0.0, 1.0}) {
+    Case c;
+    c.data = testing::data_of({testing::loop_capture({.runs = 1, .frames = 200}),
+                               testing::loop_capture({.runs = 1, .frames = 200})},
+                              1.0);
+    c.data->curves[1].path.axis_angle_rad = angle_rad;
+    c.data->curves[0].runs[0].group = "rough";
+    c.data->curves[1].runs[0].group = "smooth";
+    c.rows = c.data->rows();
+    c.residuals.resize(static_cast<Eigen::Index>(c.rows.size()));
+    std::mt19937 engine(11);
+    std::normal_distribution<double> normal;
+    for (std::size_t r = 0; r < c.rows.size(); ++r)
+      c.residuals[static_cast<Eigen::Index>(r)] =
+          (c.rows[r].curve == 0 ? kRough : kSmooth) * normal(engine);
+    const Noise noise = noise_of(c);
+    const double pooled = std::sqrt(0.5 * (kRough * kRough + kSmooth * kSmooth));
+    const double expected = angle_rad == 0.0 ? pooled : kSmooth;
+    EXPECT_EQ(noise.channels[1][0].source, NoiseSource::scatter);
+    EXPECT_NEAR(noise.channels[1][0].sigma, expected, 0.15 * expected);
+    EXPECT_NEAR(noise.channels[1][0].scatter_sigma, kSmooth, 0.15 * kSmooth);
+  }
+}
+
 /// A load cell whose noise grows with the load: what counts is the mean square.
 TEST(Noise, OfNeighboursIsTheMeanSquareWhereItGrows) {
   double mean = 0.0, square = 0.0;

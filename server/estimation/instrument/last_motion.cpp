@@ -23,18 +23,27 @@ double scatter_of(const std::vector<double>& travel) {
 }
 
 /// The first frame of the way back from an extreme to `now`. What is within `tolerance` of the
-/// extreme still stands there. Where nothing stands, the turn was before the extreme's own frame
-/// if the way back, prolonged, meets it and the way there does not.
+/// extreme still stands there. Where nothing stands and both ways are straight, the turn was before
+/// the extreme's own frame if the way back, prolonged, meets it and the way there does not.
 int first_back(const std::vector<double>& travel, int first, int extreme, int now, int last,
                double tolerance) {
+  constexpr int kStraight = 3;  // frames
+  constexpr double kBent = 0.2, kMet = 0.5;
   const auto at = [&](int f) { return travel[static_cast<std::size_t>(f)]; };
   int stood = extreme;
   for (int g = extreme + 1; g < now; ++g)
     if (std::abs(at(g) - at(extreme)) <= tolerance) stood = g;
-  if (stood != extreme || extreme - 2 < first || extreme + 2 >= last) return stood + 1;
-  const double off_the_way_there = std::abs(at(extreme) - 2.0 * at(extreme - 1) + at(extreme - 2));
-  const double off_the_way_back = std::abs(at(extreme) - 2.0 * at(extreme + 1) + at(extreme + 2));
-  return off_the_way_back + tolerance < 0.5 * off_the_way_there ? extreme : extreme + 1;
+  if (stood != extreme || extreme - kStraight < first || extreme + kStraight >= last)
+    return stood + 1;
+  const auto bend = [&](int from, int step) {
+    return std::abs(at(from) - 2.0 * at(from + step) + at(from + 2 * step));
+  };
+  const double off_the_way_there = bend(extreme, -1);
+  const double off_the_way_back = bend(extreme, 1);
+  const bool is_straight = std::max(bend(extreme - 1, -1), bend(extreme + 1, 1)) <=
+                           std::max(tolerance, kBent * off_the_way_there);
+  return is_straight && off_the_way_back + tolerance < kMet * off_the_way_there ? extreme
+                                                                                : extreme + 1;
 }
 
 }  // namespace

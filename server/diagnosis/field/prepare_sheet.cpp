@@ -96,15 +96,16 @@ Expected<model::Model> started(const SheetRequest& request, const Control& contr
   return model;
 }
 
-/// Stiffnesses that the captures do not determine and that ran away are held at their start values,
-/// times what the fit made of those that it determined: a sheet that resists nothing in shear, or
-/// everything, comes to no rest in the next fit. `jacobian` of the fit; none, where that failed:
-/// then whoever ran away is held. Their names.
+/// Stiffnesses that the captures do not determine and that ran away: a sheet that resists nothing
+/// in shear, or everything, comes to no rest in the next fit. Usual is the start value times what
+/// the fit made of those that it determined; who fell far below is held there, who rose far above
+/// is bounded. `jacobian` of the fit; none, where that failed: then whoever ran away is held. Their
+/// names.
 std::vector<std::string> hold_undetermined(const model::Model& start,
                                            const estimation::RowMatrix* jacobian,
                                            model::Model& held) {
   constexpr double kDetermined = 10.0, kUnseen = 3.0;  // standard deviations of all readings
-  constexpr double kAway = 30.0;                       // a factor on the start value
+  constexpr double kAway = 30.0, kStiffest = 100.0;    // factors on what is usual
   const auto names = estimation::parameter_names(held);
   const auto before = estimation::parameters_of(start);
   const auto after = estimation::parameters_of(held);
@@ -127,9 +128,14 @@ std::vector<std::string> hold_undetermined(const model::Model& start,
     const double usual = before[i]->value * factors[(factors.size() - 1) / 2];
     const bool ran = after[i]->value > kAway * usual || after[i]->value < usual / kAway;
     if (!ran) continue;
-    if (jacobian != nullptr && shown(i, std::min(after[i]->value, usual)) > kUnseen) continue;
-    after[i]->value = usual;
-    after[i]->fixed = true;
+    if (jacobian != nullptr && shown(i, usual) > kUnseen) continue;
+    if (after[i]->value > usual) {
+      after[i]->value = kStiffest * usual;
+      after[i]->upper = after[i]->value;
+    } else {
+      after[i]->value = usual;
+      after[i]->fixed = true;
+    }
     away.push_back(names[i]);
   }
   return away;
@@ -145,8 +151,15 @@ Expected<FieldFit> first_fit(const model::Model& start, const model::Model& mode
   if (away.empty()) return fit;
   auto again = fit_field(held, d.data, {}, options);
   if (!again) return fit;
+  if (fit) {
+    // what they did not determine is missed by no more than before
+    constexpr double kShare = 0.02;
+    const double missed = fit->at.fit.chi2 - static_cast<double>(fit->rows.size());
+    if (again->at.fit.chi2 - fit->at.fit.chi2 > std::max(kDecisive, kShare * missed)) return fit;
+  }
   for (const std::string& name : away)
-    d.checklist.push_back({"WARNING", "A stiffness that these captures do not determine is held",
+    d.checklist.push_back({"WARNING",
+                           "A stiffness that these captures do not determine is held or bounded",
                            name + " ran away from its start value"});
   return again;
 }

@@ -38,9 +38,14 @@ TEST(NeighboursAlike, IsStandardNormalForNoiseThatGrows) {
 }
 
 TEST(NeighboursAlike, SeesWhatGoesOnFromOneToTheNext) {
-  Eigen::VectorXd residuals = uneven_noise(3);
-  for (int f = 0; f < kFrames; ++f) residuals[f] += 0.8 * std::sin(0.1 * f);
-  EXPECT_GT(neighbours_alike(rows_of_blocks(2), residuals), 3.0);
+  double mean = 0.0;
+  constexpr unsigned kSeeds = 100;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    Eigen::VectorXd residuals = uneven_noise(seed);
+    for (int f = 0; f < kFrames; ++f) residuals[f] += std::sin(0.1 * f);  // as large as the noise
+    mean += neighbours_alike(rows_of_blocks(2), residuals) / kSeeds;
+  }
+  EXPECT_GT(mean, 3.0);
 }
 
 TEST(NeighboursAlike, AreOfOneBlock) {

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "server/diagnosis/checks/refined_solve.h"
 #include "server/diagnosis/prepare.h"

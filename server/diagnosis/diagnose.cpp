@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <set>
 #include <thread>
-#include <tuple>
+#include <utility>
 
 #include "server/diagnosis/backward.h"
 #include "server/diagnosis/beginning.h"

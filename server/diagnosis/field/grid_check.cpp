@@ -84,6 +84,11 @@ Verdict numerical_verdict(double share, double missed, const SizeInterval& size,
   return verdict;
 }
 
+/// chi2 of positions, of all else.
+std::array<double, 2> chi2_by_kind(const FieldData& data, const FieldFit& at) {
+  return misfit_of(data.sequences, at.rows, at.at.fit.residuals).chi2;
+}
+
 /// Of positions or of all else, more than the noise.
 bool misses_something(const SheetDiagnosis& d) {
   constexpr double kLeast = 1.1;
@@ -104,10 +109,8 @@ int put_back_worse(SheetDiagnosis& d, const FieldFit& without, FieldData& free_o
     return chi2;
   };
   const std::vector<double> before = by_sequence(d.baseline), after = by_sequence(without);
-  const auto misfit = [](const FieldData& data, const FieldFit& at) {
-    return misfit_of(data.sequences, at.rows, at.at.fit.residuals).chi2;
-  };
-  const auto with_all = misfit(d.data, d.baseline), without_all = misfit(free_of_grid, without);
+  const auto with_all = chi2_by_kind(d.data, d.baseline);
+  const auto without_all = chi2_by_kind(free_of_grid, without);
   int worse = 0;
   for (std::size_t s = 0; s < before.size(); ++s) {
     if (after[s] <= before[s] + kDecisive) continue;
@@ -159,10 +162,8 @@ Expected<void> compare_grids(const SheetRequest& request, const Control& control
         share, missed, sheet_effect_size(d.data, d.baseline, *refitted, request.options.seed),
         sigmas));
   if (refitted->rows.size() == d.baseline.rows.size()) {
-    const auto misfit = [](const FieldData& data, const FieldFit& at) {
-      return misfit_of(data.sequences, at.rows, at.at.fit.residuals).chi2;
-    };
-    const auto with = misfit(d.data, d.baseline), without = misfit(free_of_grid, *refitted);
+    const auto with = chi2_by_kind(d.data, d.baseline);
+    const auto without = chi2_by_kind(free_of_grid, *refitted);
     for (const std::size_t kind : {0UL, 1UL})
       d.taken_by_grid[kind] += std::max(0.0, with[kind] - without[kind]);
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/trials/model_edit.h"
@@ -39,13 +40,49 @@ void drop_where(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
   }
 }
 
+/// chi2 that is less after than before, of stresses and of stretches.
+std::array<double, 2> gained(const estimation::FitResult& before,
+                             const estimation::FitResult& after, const estimation::DataSet& data) {
+  const Eigen::VectorXd gain = before.residuals.cwiseAbs2() - after.residuals.cwiseAbs2();
+  std::array<double, 2> sum = {0.0, 0.0};
+  Eigen::Index r = 0;
+  for (const estimation::Row& row : data.rows()) {
+    const auto& channels = data.curves[static_cast<std::size_t>(row.curve)].channels;
+    const bool is_stress = channels[static_cast<std::size_t>(row.channel)].is_stress;
+    sum[is_stress ? 0 : 1] += gain[r++];
+  }
+  return sum;
+}
+
 }  // namespace
 
-double taken_by_forms(const std::vector<Accepted>& accepted) {
-  double taken = 0.0;
-  for (const Accepted& entry : accepted)
-    if (!entry.trial.effect->is_exact) taken += entry.before_chi2 - entry.trial.fit.chi2;
-  return taken;
+Accepted added_to(const Reference& before, Trial trial, const Diagnosis& d) {
+  Accepted entry;
+  entry.before_chi2 = before.fit.chi2;
+  entry.taken = gained(before.fit, trial.fit, *d.data);
+  entry.trial = std::move(trial);
+  return entry;
+}
+
+std::string objection_of_form(const Trial& trial, const Reference& current,
+                              const std::vector<Accepted>& accepted, const Diagnosis& d) {
+  constexpr double kAll = 0.9;   // of what is missed,
+  constexpr double kMuch = 1.2;  // where that is more than the noise by so much
+  std::array<double, 2> taken = {0.0, 0.0};
+  for (const Accepted& entry : accepted) {
+    if (entry.trial.effect == trial.effect) return "";  // more of one
+    for (const std::size_t kind : {0UL, 1UL})
+      if (!entry.trial.effect->is_exact) taken[kind] += entry.taken[kind];
+  }
+  const double noise = noise_chi2(d);
+  if (trial.effect->is_exact && current.fit.chi2 > kMuch * noise &&
+      explained_share(current.fit.chi2, trial.fit.chi2, noise) > kAll)
+    return "";
+  const std::array<double, 2> gain = gained(current.fit, trial.fit, *d.data);
+  const std::size_t shown = gain[0] > gain[1] ? 0 : 1;
+  return is_within_form(gain[shown], taken[shown], kFormOfCurves)
+             ? "it is no more than the form of what was found may miss"
+             : "";
 }
 
 PathStep step_of(const std::string& action, const std::string& effect, const std::string& why,
@@ -60,7 +97,28 @@ void could_not_refit_without(Diagnosis& d, const std::string& id, const Error& e
                          error.message});
 }
 
+namespace {
+
+/// Effects of which nothing is left that is their own, now that others are there too, are what they
+/// are without that.
+void put_in_plain_form(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted) {
+  for (const std::string& id : effects_of(accepted)) {
+    const Effect& effect = *find_effect(id);
+    const auto model = in_plain_form(current, effect);
+    auto plain = model ? make_reference(*model, d.data, {}) : tl::unexpected(Error{});
+    if (!plain || made_needless(*plain, current).empty()) continue;
+    current = std::move(*plain);
+    for (Accepted& entry : accepted)
+      if (entry.trial.effect->id == id) entry.trial.effect = find_effect(effect.plain_form);
+    d.path.push_back(step_of("drop", id, kPlainIsEnough, current, d));
+    d.path.push_back(step_of("add", effect.plain_form, "in its place", current, d));
+  }
+}
+
+}  // namespace
+
 void go_backward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted) {
+  put_in_plain_form(d, current, accepted);
   if (accepted.size() < 2) return;
   drop_where(d, current, accepted,
              [](const std::string&, const Reference& reduced, const Reference& whole) {
@@ -126,10 +184,13 @@ void keep_better_path(Diagnosis& d, const Reference& first, std::vector<Accepted
   for (std::size_t i = 0; i < order.size(); ++i) {
     for (Accepted& entry : found) {
       if (entry.trial.effect->id != order[i]) continue;
-      entry.before_chi2 = i == 0 ? d.baseline.fit.chi2 : steps[i - 1].fit.chi2;
-      entry.trial.model = steps[i].model;
-      entry.trial.fit = steps[i].fit;
-      entry.trial.block_chi2 = steps[i].block_chi2;
+      Trial trial = std::move(entry.trial);
+      trial.model = steps[i].model;
+      trial.fit = steps[i].fit;
+      trial.block_chi2 = steps[i].block_chi2;
+      std::vector<Trial> rivals = std::move(entry.rivals);
+      entry = added_to(i == 0 ? d.baseline : steps[i - 1], std::move(trial), d);
+      entry.rivals = std::move(rivals);
     }
     d.path.push_back(step_of("add", order[i], "as found before", steps[i], d));
   }

@@ -6,6 +6,7 @@
 // says so in the checklist.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,19 @@ namespace tenter::diagnosis {
 
 struct Accepted {
   Trial trial;
-  double before_chi2 = 0.0;   ///< of the model that it was added to
-  std::vector<Trial> rivals;  ///< other effects of the same round, best first
+  double before_chi2 = 0.0;                  ///< of the model that it was added to
+  std::array<double, 2> taken = {0.0, 0.0};  ///< of that, from stresses, from stretches
+  std::vector<Trial> rivals;                 ///< other effects of the same round, best first
 };
 
-/// chi2 that was taken by effects whose form may miss something.
-double taken_by_forms(const std::vector<Accepted>& accepted);
+/// The effect as it came in: added to `before`.
+Accepted added_to(const Reference& before, Trial trial, const Diagnosis& d);
+
+/// Whether what a trial adds to `current` is no more than what the form of the effects that were
+/// found may miss of those channels, stresses or stretches, in which it shows most. An exact effect
+/// that leaves nothing is not: what a form misses has a form of its own.
+std::string objection_of_form(const Trial& trial, const Reference& current,
+                              const std::vector<Accepted>& accepted, const Diagnosis& d);
 
 /// A step of the path, with the error on all rows that the fit at `at` has.
 PathStep step_of(const std::string& action, const std::string& effect, const std::string& why,

@@ -108,10 +108,8 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
       judge(trials[i], current, d.data, found.expected_chi2);
       if (current.fit.chi2 - trials[i].fit.chi2 < kLeastOfSteps * steps)
         trials[i].objections.push_back("the steps of the readings are much larger");
-      if (std::ranges::count(added, trials[i].effect->id) == 0 &&
-          is_within_form(current.fit.chi2 - trials[i].fit.chi2, taken_by_forms(accepted),
-                         kFormOfCurves))
-        trials[i].objections.push_back("it is no more than the form of what was found may miss");
+      if (std::string why = objection_of_form(trials[i], current, accepted, d); !why.empty())
+        trials[i].objections.push_back(std::move(why));
       if (trials[i].objections.empty()) {
         chosen = i;
       } else {
@@ -124,9 +122,7 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
       }
     }
     if (chosen == trials.size()) break;
-    Accepted entry;
-    entry.trial = trials[chosen];
-    entry.before_chi2 = current.fit.chi2;
+    Accepted entry = added_to(current, trials[chosen], d);
     for (std::size_t i = 0; i < trials.size(); ++i)
       if (i != chosen && trials[i].effect != entry.trial.effect &&
           objection_at_rest(trials[i], d.data).empty())
@@ -157,10 +153,8 @@ void exchange(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
     }
     auto better = better_in_place_of(effect, d, *reduced, current, excitation, options);
     if (!better) continue;
-    Accepted entry;
-    entry.before_chi2 = reduced->fit.chi2;
+    Accepted entry = added_to(*reduced, std::move(*better), d);
     entry.rivals = {accepted[i].trial};
-    entry.trial = std::move(*better);
     current = reference_of(entry.trial);
     d.path.push_back(step_of("drop", effect.id,
                              entry.trial.effect->id + " does better in its place", current, d));

@@ -109,6 +109,8 @@ struct Effect {
   /// Endings of parameters of which one must be off its bounds: without it the extension is
   /// something else's.
   std::vector<std::string> hallmarks = {};
+  /// What the extension is where none of the hallmarks is there: an effect's id, or none.
+  std::string plain_form = {};
   std::vector<std::string> mistaken_for;
   NextProtocol split_by;  ///< the protocol that excites it and tells it from its neighbours
   /// Ways to extend this model; empty: nothing to add.

@@ -7,6 +7,7 @@ namespace tenter::diagnosis {
 Effect strain_dependent_friction() {
   Effect effect = described("strain_dependent_friction");
   effect.hallmarks = {".b", ".c"};
+  effect.plain_form = "internal_friction";
   effect.variants = [](const model::Model& model, const Excitation& excitation) {
     std::vector<Variant> variants;
     // friction that is there already gets the growth with strain: linear, then quadratic

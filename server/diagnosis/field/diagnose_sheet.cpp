@@ -207,12 +207,16 @@ Expected<void> go_forward(Chain& chain) {
   return {};
 }
 
+std::set<std::string> effects_of(const Chain& chain) {
+  std::set<std::string> ids;
+  for (const FieldFinding& f : chain.accepted) ids.insert(f.trial.effect->id);
+  return ids;
+}
+
 /// Takes an effect out, refits, and keeps it out where `why_needless` says so of the refit.
 template <class WhyNeedless>
 void drop_where(Chain& chain, WhyNeedless&& why_needless) {
-  std::set<std::string> ids;
-  for (const FieldFinding& f : chain.accepted) ids.insert(f.trial.effect->id);
-  for (const std::string& id : ids) {
+  for (const std::string& id : effects_of(chain)) {
     if (chain.stopped()) return;
     auto reduced = fit_field(without(chain.current.at.model, id, chain.d.baseline.at.model),
                              chain.d.data, chain.current.states, field_options(chain.control));
@@ -225,8 +229,28 @@ void drop_where(Chain& chain, WhyNeedless&& why_needless) {
   }
 }
 
+/// Effects of which nothing is left that is their own, now that others are there too, are what they
+/// are without that.
+void put_in_plain_form(Chain& chain) {
+  for (const std::string& id : effects_of(chain)) {
+    const Effect* effect = find_effect(id);
+    const auto model = in_plain_form(chain.current.at, *effect);
+    if (!model || chain.stopped()) continue;
+    auto plain =
+        fit_field(*model, chain.d.data, chain.current.states, field_options(chain.control));
+    if (!plain || made_needless(plain->at, chain.current.at).empty()) continue;
+    chain.current = std::move(*plain);
+    for (FieldFinding& f : chain.accepted)
+      if (f.trial.effect->id == id) f.trial.effect = find_effect(effect->plain_form);
+    chain.d.path.push_back(step_of("drop", effect->id, kPlainIsEnough, chain.current, chain.d));
+    chain.d.path.push_back(
+        step_of("add", effect->plain_form, "in its place", chain.current, chain.d));
+  }
+}
+
 /// Backward: what later additions made needless goes.
 void go_backward(Chain& chain) {
+  put_in_plain_form(chain);
   if (chain.accepted.size() < 2) return;
   drop_where(chain, [&](const std::string&, const FieldFit& reduced) {
     return made_needless(reduced.at, chain.current.at);

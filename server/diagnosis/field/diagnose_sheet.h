@@ -16,10 +16,11 @@
 #include <string>
 #include <vector>
 
-#include "server/diagnosis/field/data/field_noise.h"
 #include "server/diagnosis/field/data/sheet_request.h"
 #include "server/diagnosis/field/data/structure.h"
 #include "server/diagnosis/field/field_trial.h"
+#include "server/diagnosis/field/noise/field_noise.h"
+#include "server/diagnosis/field/noise/misread.h"
 #include "server/diagnosis/screening/candidate.h"
 
 namespace tenter::diagnosis {
@@ -53,6 +54,7 @@ struct SheetDiagnosis : Findings {
   FieldData held_out;  ///< sequences that no fit saw
   FieldNoise noise;
   std::vector<std::string> dropped;  ///< frames without rest, in words
+  std::vector<Misread> misread;      ///< of `data`, set aside
   FieldFit baseline, extended;
   std::array<double, 2> taken_by_grid = {0.0, 0.0};  ///< chi2 of positions, of all else
   FieldFit held_out_baseline, held_out_extended;     ///< empty where nothing is held out

@@ -55,6 +55,15 @@ double share_of_noise(const std::vector<KindChi2>& kinds) {
   return largest;
 }
 
+/// Largest share, over kinds of channels, of what is missed there beyond the noise.
+double share_of_missed(const std::vector<KindChi2>& kinds) {
+  double largest = 0.0;
+  for (const KindChi2& kind : kinds)
+    if (kind.before > kind.rows)
+      largest = std::max(largest, (kind.before - kind.after) / (kind.before - kind.rows));
+  return largest;
+}
+
 /// Over all kinds, each in the noise that the larger model leaves of it where that is more than
 /// what is stated: a hundred forces that scatter twice as far as stated would pass for strong
 /// evidence beside ten thousand positions that do not.
@@ -280,6 +289,11 @@ void judge_field(FieldTrial& field, const FieldFit& before, const FieldData& dat
   if (trial.p_value >= 1e-3)
     trial.objections.push_back("an F test on independent rows gives it p = " +
                                std::to_string(trial.p_value));
+  constexpr std::size_t kMany = 9;
+  constexpr double kLeastOfMany = 0.35;  // less is a stand-in's
+  if (trial.variant.parts_are_one && trial.variant.append.size() >= kMany &&
+      share_of_missed(kinds) < kLeastOfMany)
+    trial.objections.push_back("so many numbers explain little of what is missed");
   check_parameters(trial);
   if (!trial.effect->in_every_run) {
     const std::string objection = accident_objection(field, before, data);

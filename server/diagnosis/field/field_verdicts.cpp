@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <set>
 
@@ -102,6 +103,41 @@ Verdict verdict_for(const SheetDiagnosis& d, const std::string& id,
   return verdict;
 }
 
+/// Points that were misread: nothing of a model, and left out of the fits.
+void add_misread(SheetDiagnosis& d) {
+  if (d.misread.empty()) return;
+  Verdict verdict;
+  verdict.kind = VerdictKind::sensor;
+  verdict.effect = "outliers";
+  double largest = 0.0, farthest_m = 0.0;
+  std::map<std::string, int> by_capture;
+  for (const Misread& m : d.misread) {
+    largest = std::max(largest, m.score);
+    farthest_m = std::max(farthest_m, std::abs(m.off_m));
+    ++by_capture[d.data.sequences[static_cast<std::size_t>(m.sequence)].name];
+  }
+  Eigen::Index places = 0;
+  for (const estimation::Sequence& sequence : d.data.sequences)
+    places += static_cast<Eigen::Index>(sequence.points.size() * sequence.frames.size());
+  verdict.size = verdict.size_lo = verdict.size_hi =
+      static_cast<double>(d.misread.size()) / static_cast<double>(places);
+  // chance that the largest of so many normal readings lies so far out
+  verdict.p_value =
+      std::min(1.0, 3.0 * static_cast<double>(places) * std::erfc(largest / std::sqrt(2.0)));
+  char figures[48];
+  std::snprintf(figures, sizeof figures, "%.2g mm", 1e3 * farthest_m);
+  verdict.words = std::to_string(d.misread.size()) + " of " + std::to_string(places) +
+                  " readings of points stand alone, up to " + figures +
+                  " from what is near them in the material and in time, and were left out of the "
+                  "fits:";
+  for (const auto& [name, count] : by_capture)
+    verdict.words += " " + std::to_string(count) + " in " + name + ",";
+  verdict.words.back() = '.';
+  verdict.evidence = {{"count", static_cast<double>(d.misread.size())},
+                      {"largest_robust_score", largest}};
+  d.verdicts.push_back(std::move(verdict));
+}
+
 /// Of positions and of all else: what is left is no more than the estimate of the grid's error may
 /// miss.
 std::array<bool, 2> within_grid(const SheetDiagnosis& d) {
@@ -123,6 +159,21 @@ bool is_within_stated(const SheetDiagnosis& d) {
   });
 }
 
+/// What is left of positions, or of all else, goes on from frame to frame, from point to point, or
+/// stays with the material. White noise does neither, however much larger than stated it is.
+bool goes_on(const std::vector<Structure>& left, bool of_positions) {
+  constexpr double kSurely = 2.58;  // standard deviations of what white noise has
+  double rows = 0.0, in_time = 0.0, in_space = 0.0;
+  for (const Structure& s : left) {
+    if ((s.kind == estimation::ObservationKind::position) != of_positions) continue;
+    rows += s.rows;
+    in_time += s.rows * s.in_time;
+    in_space += s.rows * std::max(s.neighbours, s.fixed);
+  }
+  const double most = kSurely * std::sqrt(rows);
+  return std::abs(in_time) > most || in_space > most;
+}
+
 void add_unexplained(SheetDiagnosis& d, bool anything_found) {
   const double expected = expected_chi2(d.baseline);
   const double missed = std::max(0.0, d.baseline.at.fit.chi2 - expected);
@@ -130,11 +181,14 @@ void add_unexplained(SheetDiagnosis& d, bool anything_found) {
   d.unexplained_share = missed > 0.0 ? std::min(1.0, left / missed) : 0.0;
   // a tenth of the noise's power in some kind of channel is worth a word
   const std::array<bool, 2> is_of_grid = within_grid(d);
+  const std::array<bool, 2> is_white = {!goes_on(d.structure_left, true),
+                                        !goes_on(d.structure_left, false)};
   bool lacks_fit = false;
   for (const Structure& s : d.structure_left) {
     const std::size_t kind = s.kind == estimation::ObservationKind::position ? 0 : 1;
-    lacks_fit = lacks_fit || (s.rows > 0 && s.chi2 > 1.1 * s.rows &&
-                              d.last_screen.lack_of_fit > 1.0 && !is_of_grid[kind]);
+    lacks_fit =
+        lacks_fit || (s.rows > 0 && s.chi2 > 1.1 * s.rows && d.last_screen.lack_of_fit > 1.0 &&
+                      !is_of_grid[kind] && !is_white[kind]);
   }
   if (!lacks_fit) {
     d.unexplained_share = 0.0;
@@ -232,6 +286,7 @@ void pass_sheet_verdicts(SheetDiagnosis& d, const SheetRequest& request, const C
     d.verdicts.push_back(verdict_for(d, id, by_effect[id], request.options.seed, control));
   std::stable_sort(d.verdicts.begin(), d.verdicts.end(),
                    [](const Verdict& a, const Verdict& b) { return a.size > b.size; });
+  add_misread(d);
   add_unexplained(d, !d.verdicts.empty());
   add_not_excited(d, {order.begin(), order.end()}, is_asked_of_sheets);
   check_all(d);

@@ -188,6 +188,11 @@ Expected<void> foretell_held_out(const FieldFitOptions& options, SheetDiagnosis&
   if (!foretold)
     return fail(foretold.error().kind,
                 "the captures that are held out: " + foretold.error().message);
+  const std::vector<Misread> misread =
+      find_misread(d.held_out.sequences, foretold->rows, foretold->at.fit.residuals);
+  set_aside(misread, d.held_out.sequences);
+  if (!misread.empty()) foretold = predict_field(model, d.held_out, rests, options);
+  if (!foretold) return tl::unexpected(foretold.error());
   d.held_out_baseline = std::move(*foretold);
   return {};
 }
@@ -215,6 +220,11 @@ Expected<SheetDiagnosis> prepare_sheets(const SheetRequest& request, const Contr
     return !control.stop.stop_requested();
   };
   auto fit = first_fit(request.model, *model, options, d);
+  if (fit) {
+    d.misread = find_misread(d.data.sequences, fit->rows, fit->at.fit.residuals);
+    set_aside(d.misread, d.data.sequences);
+    if (!d.misread.empty()) fit = fit_field(fit->at.model, d.data, fit->states, options);
+  }
   // noise and fit depend on each other's weights: twice is enough
   for (int pass = 0; pass < 2 && fit; ++pass) {
     if (control.stop.stop_requested())

@@ -55,6 +55,24 @@ model::Model with_rival(model::Model model, const Trial& rival) {
   return model;
 }
 
+std::optional<model::Model> in_plain_form(const Reference& at, const Effect& effect) {
+  if (effect.plain_form.empty()) return std::nullopt;
+  model::Model plain = at.model;
+  const auto names = estimation::parameter_names(at.model);
+  bool has_any = false;
+  for (model::Term& term : plain.terms) {
+    if (term.effect != effect.id) continue;
+    has_any = true;
+    term.effect = effect.plain_form;
+    for (const std::string& ending : effect.hallmarks) {
+      for (std::size_t i = 0; i < names.size(); ++i)
+        if (names[i] == term.id + ending && is_surely_there(at.fit, i)) return std::nullopt;
+      set_parameter(term.law, ending.substr(1), 0.0, true);
+    }
+  }
+  return has_any ? std::optional(std::move(plain)) : std::nullopt;
+}
+
 bool holds(const model::Model& model, const std::string& effect) {
   return std::any_of(model.terms.begin(), model.terms.end(),
                      [&](const model::Term& t) { return t.effect == effect; }) ||

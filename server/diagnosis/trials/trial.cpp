@@ -127,7 +127,6 @@ double joint_relative_error(const Trial& trial, const std::vector<std::size_t>& 
 /// An effect whose own parameters are all at their bounds or within their errors of nothing is
 /// another one that happens to be written with the same law.
 void check_hallmarks(const std::vector<std::string>& names, Trial& trial) {
-  constexpr double kSurely = 2.0;  // standard errors
   const std::vector<std::string>& endings = trial.effect->hallmarks;
   if (endings.empty() || trial.variant.append.empty()) return;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -136,9 +135,7 @@ void check_hallmarks(const std::vector<std::string>& names, Trial& trial) {
     });
     const bool is_hallmark = std::ranges::any_of(
         endings, [&](const std::string& ending) { return names[i].ends_with(ending); });
-    if (!is_own || !is_hallmark || trial.fit.states[i] != ParameterState::free) continue;
-    const auto k = static_cast<Eigen::Index>(i);
-    if (std::abs(trial.fit.parameters[k]) > kSurely * trial.fit.std_error[k]) return;
+    if (is_own && is_hallmark && is_surely_there(trial.fit, i)) return;
   }
   std::string all;
   for (const std::string& ending : endings) all += (all.empty() ? "" : ", ") + ending.substr(1);
@@ -146,6 +143,13 @@ void check_hallmarks(const std::vector<std::string>& names, Trial& trial) {
 }
 
 }  // namespace
+
+bool is_surely_there(const estimation::FitResult& fit, std::size_t parameter) {
+  constexpr double kSurely = 2.0;  // standard errors
+  const auto k = static_cast<Eigen::Index>(parameter);
+  return fit.states[parameter] == ParameterState::free &&
+         std::abs(fit.parameters[k]) > kSurely * fit.std_error[k];
+}
 
 void check_parameters(Trial& trial) {
   constexpr double kVague = 0.5;

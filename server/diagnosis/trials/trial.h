@@ -64,6 +64,9 @@ void judge(Trial& trial, const Reference& before, const DataPointer& data, doubl
 /// Is each part that the variant added alive and known to better than a half? Adds objections.
 void check_parameters(Trial& trial);
 
+/// A free parameter that is off zero by more than its errors.
+bool is_surely_there(const estimation::FitResult& fit, std::size_t parameter);
+
 /// What a reading missed, frame after frame, before and after a step that it is said to have.
 struct Step {
   std::vector<double> before, after;

@@ -6,11 +6,13 @@
 //
 // Noise moves D only in the space Q that the effect adds to the model's own columns:
 //
-//   D* = D + Q Q' e*       e*: residuals of the larger model, each block's with a random sign
+//   D* = D + Q Q' e*       e*: errors as they may have been
 //
 // so noise makes |D| too large by the mean of |Q Q' e*|^2, which is taken off, and the scatter of
-// |D*| gives the 95 % interval. Blocks keep their sign as a whole: errors within a block go
-// together (design, step 3).
+// |D*| gives the 95 % interval. Errors are residuals of the larger model, each block's with a
+// random sign: a block keeps its sign as a whole, since errors within one go together (design, step
+// 3); what the model's own parameters took of them is given back. Or they are white and as large as
+// what is left, where that is more: blocks say little of an effect that shows in one or two.
 #pragma once
 
 #include <vector>

@@ -17,6 +17,10 @@ PathStep path_step(const std::string& action, const std::string& effect, const s
 /// longer asks for it. "" where it does.
 std::string made_needless(const Reference& reduced, const Reference& whole);
 
+/// Why an effect gives way to its plain form.
+inline constexpr const char* kPlainIsEnough =
+    "what is its own is not surely there any more: its plain form is enough";
+
 /// Why an effect may go whose best part explained `share` of what was missed beyond the noise when
 /// it came in, where the model still misses the share `left` of what the baseline missed: it stands
 /// in for something that the catalogue lacks. "" where it explained enough.

@@ -77,6 +77,8 @@ struct SequenceFrame {
   Eigen::VectorXd scalars;                                 ///< one a ScalarChannel: N m, m or m^2
   /// Places in the material (u, v) that were tracked, are no PointChannel, and were not seen here.
   std::vector<Eigen::Vector2d> hidden_m;
+  /// PointChannels that were seen here and misread: no coordinate is left of them.
+  std::vector<int> misread = {};
   int block = 0;            ///< of this sequence, from 0
   double duration_s = 0.0;  ///< since the frame before, for laws and sensors that know time
 };

@@ -146,12 +146,14 @@ void camera_scale(double amplitude, const std::string&, const SheetSuite&, const
   truth.faults.scale = 1.0 + choices.sign() * amplitude;
 }
 
+Eigen::Vector3d any_way(Random& choices) {
+  return Eigen::Vector3d(choices.normal(), choices.normal(), choices.normal()).normalized();
+}
+
 // of one capture that is fitted: a turn about any axis, and a shift as large at the sheet's edge
 void camera_pose(double amplitude, const std::string&, const SheetSuite& suite,
                  const SheetReadings& plain, Random choices, SheetTruth& truth) {
-  const auto any = [&] {
-    return Eigen::Vector3d(choices.normal(), choices.normal(), choices.normal()).normalized();
-  };
+  const auto any = [&] { return any_way(choices); };
   std::vector<int> fitted;
   for (std::size_t p = 0; p < plain.plans.size(); ++p)
     if (!suite.plans[p].held_out) fitted.push_back(static_cast<int>(p));
@@ -164,6 +166,18 @@ void camera_pose(double amplitude, const std::string&, const SheetSuite& suite,
 void occlusion(double amplitude, const std::string&, const SheetSuite&, const SheetReadings&,
                Random, SheetTruth& truth) {
   truth.faults.occlusion_m = amplitude;
+}
+
+// one reading of a hundred, by the amplitude any way in the sheet's plane or out of it
+void misread(double amplitude, const std::string&, const SheetSuite& suite, const SheetReadings&,
+             Random choices, SheetTruth& truth) {
+  constexpr double kShare = 0.01;
+  for (std::size_t p = 0; p < suite.plans.size(); ++p)
+    for (std::size_t f = 0; f < suite.plans[p].seen.size(); ++f)
+      for (std::size_t k = 0; k < suite.places_m.size(); ++k)
+        if (choices.uniform() < kShare)
+          truth.faults.misread.push_back({static_cast<int>(p), static_cast<int>(f),
+                                          static_cast<int>(k), amplitude * any_way(choices)});
 }
 
 // in the second half of what a capture does, at the beginning of a leg's frame
@@ -271,6 +285,7 @@ const std::vector<SheetEffect>& sheet_effects() {
       {"camera_scale", {}, false, false, false, false, 0.003, 0.08, "1", camera_scale},
       {"camera_pose", {}, false, false, false, false, 0.003, 0.3, "rad", camera_pose},
       {"occlusion_bias", {}, false, false, false, false, 1e-3, 2e-2, "m", occlusion},
+      {"outliers", {}, false, false, false, false, 1e-3, 5e-2, "m", misread},
       {"backlash", {}, true, false, false, false, 0.002, 0.03, "side", play},
       {"expansion_cycle", {}, true, true, true, false, 0.003, 0.05, "1", expansion},
       {"clock_aliasing", {}, true, true, false, false, 0.1, 2.0, "s", clock_aliasing},

@@ -183,6 +183,10 @@ SheetReadings read(const SheetSuite& suite, const SheetDone& done, const Hidden3
       frame.forces_N = forces_at(plan, done.plans[p], s, faults);
     }
   }
+  for (const SheetFaults::Misread& m : faults.misread)
+    if (static_cast<std::size_t>(m.plan) < readings.plans.size())
+      readings.plans[static_cast<std::size_t>(m.plan)][static_cast<std::size_t>(m.seen)]
+          .points_m.col(m.place) += m.jump_m;
   return readings;
 }
 

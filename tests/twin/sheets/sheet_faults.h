@@ -4,7 +4,8 @@
 // Before the sheet moves: a clip that slips, one with play, a mass that is not the one stated. A
 // force then passes its cord, the clocks and its cell: friction against the motion, shown late, a
 // gain, an offset, a drift with the clock, and no more than a cap. Points: drawn towards the camera
-// beside what is hidden, turned and shifted, scaled. Shares nothing with server/.
+// beside what is hidden, turned and shifted, scaled; some of them misread. Shares nothing with
+// server/.
 //
 //   auto done = perform(suite, fabric, faults);            // equilibria: what costs
 //   SheetReadings readings = read(suite, *done, faults);
@@ -37,6 +38,12 @@ struct SheetFaults {
   int posed_plan = -1;
   Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero(), shift_m = Eigen::Vector3d::Zero();
   double occlusion_m = 0.0;
+  /// A point that is taken for another one for a frame.
+  struct Misread {
+    int plan = 0, seen = 0, place = 0;
+    Eigen::Vector3d jump_m = Eigen::Vector3d::Zero();
+  };
+  std::vector<Misread> misread;
 
   /// The sheet itself moves as it would without.
   bool spares_the_sheet() const { return slip_plan < 0 && play_m == 0.0 && mass_factor == 1.0; }

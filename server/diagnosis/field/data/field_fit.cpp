@@ -122,7 +122,11 @@ estimation::HeldOut cross_validate_field(const FieldFit& at, const FieldData& da
     if (at.at.fit.states[i] != estimation::ParameterState::free) parameters[i]->fixed = true;
   auto evaluator = evaluator_of(model, data, at.states, options);
   if (!evaluator) return {};
-  return estimation::cross_validate(*evaluator, model, folds, fit_options(model, options));
+  // from where the whole data lead it is a few steps, but for what a fold does not determine
+  constexpr int kMostSteps = 8;
+  FieldFitOptions few = options;
+  few.max_iterations = std::min(options.max_iterations, kMostSteps);
+  return estimation::cross_validate(*evaluator, model, folds, fit_options(model, few));
 }
 
 estimation::Folds field_folds(const FieldData& data, const std::vector<estimation::Row>& rows,

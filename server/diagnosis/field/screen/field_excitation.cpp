@@ -94,8 +94,11 @@ void add_seen(const estimation::Sequence& sequence, SheetExcitation& sheet) {
     sheet.forces.push_back({sequence.forces[k].name, sequence.name, largest,
                             static_cast<int>(sequence.frames.size())});
   }
-  for (const auto& frame : sequence.frames)
-    sheet.has_hidden = sheet.has_hidden || !frame.points_m.allFinite();
+  for (const auto& frame : sequence.frames) {
+    const auto not_seen = (frame.points_m.array() != frame.points_m.array()).count();
+    sheet.has_hidden =
+        sheet.has_hidden || not_seen > 3 * static_cast<Eigen::Index>(frame.misread.size());
+  }
 }
 
 /// Adds min(|eps_1|, |eps_2|) of every element to a histogram.

@@ -59,7 +59,10 @@ std::vector<std::vector<double>> hidden_distances(const Sequence& sequence) {
     std::vector<bool> is_seen(points.size(), false);
     for (std::size_t k = 0; k < points.size(); ++k) {
       is_seen[k] = !frame.points_m.col(static_cast<Eigen::Index>(k)).array().isNaN().all();
-      if (!is_seen[k] && !locations[k].lies_on(is_fixed)) hidden.push_back(points[k]);
+      const bool is_misread =
+          std::ranges::find(frame.misread, static_cast<int>(k)) != frame.misread.end();
+      if (!is_seen[k] && !is_misread && !locations[k].lies_on(is_fixed))
+        hidden.push_back(points[k]);
     }
     auto& of_frame = distances.emplace_back(points.size(), kNone);
     for (std::size_t k = 0; k < points.size(); ++k)

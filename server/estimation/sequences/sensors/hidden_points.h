@@ -6,7 +6,8 @@
 //   share at a distance d = 1 up to 3/4 of the reach, 0 from 5/4 on, straight between
 //
 // A point is hidden in a frame that measured no coordinate of it, unless it lies on nodes that are
-// held or clamped there; so are the frame's hidden_m, which are no channels. A patch's size is not
+// held or clamped there; so are the frame's hidden_m, which are no channels;
+// what was misread is not. A patch's size is not
 // known: the reach is counted in the sequence's spacing in the material.
 //
 // Pure; seen points x hidden ones.

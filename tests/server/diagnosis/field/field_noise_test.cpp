@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a capture states of its noise, beside what its readings show.
-#include "server/diagnosis/field/data/field_noise.h"
+#include "server/diagnosis/field/noise/field_noise.h"
 
 #include <gtest/gtest.h>
 

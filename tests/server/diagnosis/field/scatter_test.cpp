@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Noise of one under misfits of all kinds.
-#include "server/diagnosis/field/data/scatter.h"
+#include "server/diagnosis/field/noise/scatter.h"
 
 #include <gtest/gtest.h>
 

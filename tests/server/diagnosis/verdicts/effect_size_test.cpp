@@ -128,6 +128,28 @@ TEST(EffectSize, ItsIntervalHoldsTheTruthAsOftenAsItSays) {
   }
 }
 
+TEST(EffectSize, OfAnEffectThatShowsInOneBlockIsKnownNoBetterThanItsNoise) {
+  Problem problem(0);
+  const auto rows = problem.set.rows();
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (rows[r].block != 4) problem.all.row(static_cast<Eigen::Index>(r)).tail(2).setZero();
+  const Eigen::VectorXd effect = problem.unabsorbed(problem.all.col(1) + 0.5 * problem.all.col(2));
+  const double truth =
+      problem.measure_reading(effect).size;  // without noise, all that the constant does not take
+  std::mt19937_64 engine(23);
+  std::normal_distribution<double> normal;
+  int held = 0;
+  constexpr int kSeeds = 200;
+  for (int k = 0; k < kSeeds; ++k) {
+    Eigen::VectorXd reading = effect;
+    for (double& x : reading) x += normal(engine);
+    const SizeInterval size = problem.measure_reading(reading);
+    held += size.lo <= truth && truth <= size.hi ? 1 : 0;
+  }
+  EXPECT_GE(held, 179);
+  EXPECT_LE(held, 199);
+}
+
 TEST(EffectSize, IsTheSameForTheSameSeed) {
   const Problem problem(0);
   std::mt19937_64 engine(3);

@@ -236,6 +236,12 @@ TEST(SequenceSensors, DistancesToWhatAFrameDidNotSee) {
   EXPECT_EQ(count(1, 100.0), 0);
   EXPECT_EQ(count(2, 1.5), 8);
   EXPECT_EQ(count(2, 1.01), 4);
+  for (int k = 0; k < static_cast<int>(sequence.points.size()); ++k)
+    if (sequence.frames[2].points_m.col(k).array().isNaN().all())
+      sequence.frames[2].misread.push_back(k);
+  ASSERT_EQ(sequence.frames[2].misread.size(), 1U);
+  EXPECT_EQ(count(2, 100.0), 0);
+  sequence.frames[2].misread.clear();
   sequence.frames[1].hidden_m = {{0.03, 0.01}};  // beside (0.03, 0.03) and (0.05, 0.03)
   EXPECT_EQ(count(1, 1.5), 2);
   sequence.spacing_m = 0.01;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/field/data/field_noise.h"
+#include "server/diagnosis/field/noise/field_noise.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <variant>
 
-#include "common/base/not_a_number.h"
-#include "server/diagnosis/field/data/scatter.h"
 #include "server/diagnosis/field/data/structure.h"
+#include "server/diagnosis/field/noise/residual_table.h"
+#include "server/diagnosis/field/noise/scatter.h"
 
 namespace tenter::diagnosis {
 namespace {
@@ -21,43 +21,10 @@ constexpr int kFewest = 20;               // differences of repeats that an rms 
 constexpr std::size_t kFewestPoints = 8;  // for neighbours to say anything
 constexpr double kAgrees = 1.25;          // a factor within which the stated value stays
 
-/// Residuals of a sequence: [channel][frame].
-using Table = std::vector<std::vector<double>>;
-
-Table table_of(const Sequence& sequence, int index, int channels, const std::vector<Row>& rows,
-               const Eigen::VectorXd& residuals) {
-  Table table(static_cast<std::size_t>(channels),
-              std::vector<double>(sequence.frames.size(), kNaN));
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    if (rows[r].curve == index)
-      table[static_cast<std::size_t>(rows[r].channel)][static_cast<std::size_t>(rows[r].frame)] =
-          residuals[static_cast<Eigen::Index>(r)];
-  return table;
-}
-
-std::vector<std::vector<std::size_t>> nearest_points(const Sequence& sequence) {
-  constexpr std::size_t kNearest = 4;
-  const std::size_t count = sequence.points.size();
-  std::vector<std::vector<std::size_t>> nearest(count);
-  std::vector<std::pair<double, std::size_t>> by_distance;
-  for (std::size_t i = 0; i < count; ++i) {
-    by_distance.clear();
-    for (std::size_t j = 0; j < count; ++j)
-      if (j != i)
-        by_distance.emplace_back(
-            (sequence.points[i].material_m - sequence.points[j].material_m).squaredNorm(), j);
-    const std::size_t few = std::min(kNearest, by_distance.size());
-    std::partial_sort(by_distance.begin(), by_distance.begin() + static_cast<std::ptrdiff_t>(few),
-                      by_distance.end());
-    for (std::size_t k = 0; k < few; ++k) nearest[i].push_back(by_distance[k].second);
-  }
-  return nearest;
-}
-
 /// Points, each less the mean of the nearest ones': a misfit that is smooth over the material goes.
-void add_points(const FrameContrasts& frames, const Sequence& sequence, const Table& table,
+void add_points(const FrameContrasts& frames, const Sequence& sequence, const ResidualTable& table,
                 Looks& looks) {
-  const auto nearest = nearest_points(sequence);
+  const auto nearest = nearest_points(sequence, 4);
   std::vector<double> value(3 * nearest.size());
   const auto all = frames.looks();
   for (std::size_t look = 0; look < all.size(); ++look)
@@ -99,7 +66,8 @@ double sigma_rms(const Sequence& sequence, const std::vector<int>& channels) {
 }
 
 /// rms of half the squared difference of two tables' channels, in sigmas.
-double repeat_spread(const Table& a, const Table& b, const std::vector<int>& channels) {
+double repeat_spread(const ResidualTable& a, const ResidualTable& b,
+                     const std::vector<int>& channels) {
   double sum = 0.0;
   double n = 0.0;
   for (const int c : channels)
@@ -141,11 +109,11 @@ FieldNoise estimate_field_noise(const FieldData& data, const std::vector<Row>& r
                                 const Eigen::VectorXd& residuals) {
   FieldNoise noise;
   std::map<ObservationKind, Looks> pooled;
-  std::vector<Table> tables;
+  std::vector<ResidualTable> tables;
   for (std::size_t s = 0; s < data.sequences.size(); ++s)
-    tables.push_back(table_of(data.sequences[s], static_cast<int>(s),
-                              estimation::Observations(data.sequences[s]).count(), rows,
-                              residuals));
+    tables.push_back(residual_table(data.sequences[s], static_cast<int>(s),
+                                    estimation::Observations(data.sequences[s]).count(), rows,
+                                    residuals));
   for (std::size_t s = 0; s < data.sequences.size(); ++s) {
     const Sequence& sequence = data.sequences[s];
     const estimation::Observations seen(sequence);

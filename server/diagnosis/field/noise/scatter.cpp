@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/diagnosis/field/data/scatter.h"
+#include "server/diagnosis/field/noise/scatter.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

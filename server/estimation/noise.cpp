@@ -280,6 +280,8 @@ const char* noise_source_words(NoiseSource source) {
       return "scatter between repeats";
     case NoiseSource::scatter:
       return "scatter of neighbouring samples";
+    case NoiseSource::guess:
+      return "guessed, for the capture states none and shows none";
   }
   return "";
 }

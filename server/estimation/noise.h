@@ -22,7 +22,7 @@
 
 namespace tenter::estimation {
 
-enum class NoiseSource { declared, repeats, scatter };
+enum class NoiseSource { declared, repeats, scatter, guess };
 
 struct ChannelNoise {
   double sigma = 0.0;  ///< SI; what residuals are divided by

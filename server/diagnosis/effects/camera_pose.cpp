@@ -6,6 +6,7 @@ namespace tenter::diagnosis {
 
 Effect camera_pose() {
   Effect effect = described("camera_pose");
+  effect.is_exact = true;
   effect.sheet_variants = [](const model::Model& model, const Excitation& excitation) {
     return sheet_capture_variants(model, excitation, "camera_pose");
   };

@@ -27,6 +27,18 @@ bool has_scale(const model::Model& model) {
   return false;
 }
 
+/// Where a picture's origin lies is its own: what is scaled about it is shifted, too.
+Variant about_another_place(const model::Model& model, Variant variant) {
+  model::SensorCorrection shift =
+      new_sheet_correction(model, "camera_pose", "", variant.corrections.front().capture);
+  shift.id = "origin_of_" + variant.corrections.front().id;
+  for (model::Parameter& p : shift.parameters) p.fixed = p.name.starts_with("turn_");
+  variant.words += ", about a place of its own";
+  variant.parts_are_one = true;
+  variant.corrections.push_back(std::move(shift));
+  return variant;
+}
+
 }  // namespace
 
 Effect camera_scale() {
@@ -53,12 +65,16 @@ Effect camera_scale() {
     }
     return variants;
   };
+  effect.is_exact = true;
   effect.sheet_variants = [](const model::Model& model, const Excitation& excitation) {
     auto variants = sheet_capture_variants(model, excitation, "camera_scale");
     for (Variant& variant : variants) {
       variant.corrections.front().parameters.front().lower = 1.0 / kLargestOfLengths;
       variant.corrections.front().parameters.front().upper = kLargestOfLengths;
     }
+    const std::size_t about_the_middle = variants.size();
+    for (std::size_t k = 0; k < about_the_middle; ++k)
+      variants.push_back(about_another_place(model, variants[k]));
     return variants;
   };
   effect.sheet_not_excited = [](const model::Model&,

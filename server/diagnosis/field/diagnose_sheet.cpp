@@ -310,7 +310,8 @@ void drop_stand_ins(Chain& chain) {
     if (part.share > known.share) known = part;
   }
   drop_where(chain, [&](const std::string& id, const FieldFit&) {
-    return best[id].is_met ? std::string() : stands_in(best[id].share, best[id].left);
+    const bool is_exact = find_effect(id)->is_exact && best.size() == 1;
+    return best[id].is_met ? std::string() : stands_in(best[id].share, best[id].left, is_exact);
   });
 }
 

@@ -154,7 +154,8 @@ bool is_within_stated(const SheetDiagnosis& d) {
   return std::ranges::all_of(d.structure_left, [&](const Structure& s) {
     double factor = 1.0;
     for (const FieldNoise::Kind& kind : d.noise.kinds)
-      if (kind.sequence == s.sequence && kind.kind == s.kind) factor = kind.factor;
+      if (kind.sequence == s.sequence && kind.kind == s.kind)
+        factor = kind.is_guessed ? 1.0 : kind.factor;
     return s.chi2 * factor * factor <= 1.1 * s.rows;
   });
 }
@@ -250,10 +251,12 @@ void check_all(SheetDiagnosis& d) {
     const double unit = is_length ? 1e3 : 1.0;
     // few frames of a curved misfit scatter too: then the stated value stands unproved
     const bool is_unproved = kind.is_bound && kind.factor == 1.0 && kind.shown > kind.stated;
-    std::snprintf(figures, sizeof figures, "stated %.3g, shown %s%.3g, taken %.3g %s",
-                  unit * kind.stated, kind.is_bound ? "at most " : "", unit * kind.shown,
+    std::snprintf(figures, sizeof figures, "%s %.3g, shown %s%.3g, taken %.3g %s",
+                  kind.is_guessed ? "guessed" : "stated", unit * kind.stated,
+                  kind.is_bound ? "at most " : "", unit * kind.shown,
                   unit * kind.stated * kind.factor, is_length ? "mm" : "N");
-    const bool is_taken = kind.factor == 1.0 || kind.source == estimation::NoiseSource::repeats;
+    const bool is_taken =
+        (kind.factor == 1.0 && !kind.is_guessed) || kind.source == estimation::NoiseSource::repeats;
     add(is_taken && !is_unproved ? "OK" : "WARNING",
         "Noise of " + d.data.sequences[static_cast<std::size_t>(kind.sequence)].name + ", " +
             (is_length ? "points" : "forces") + ": " + estimation::noise_source_words(kind.source),

@@ -27,6 +27,7 @@ FieldData gathered(const SheetRequest& request, bool held_out) {
     data.ids.push_back(s.id);
     data.protocols.push_back(s.title);
     data.has_clock.push_back(has_clock);
+    data.has_guessed_noise.push_back(s.has_guessed_noise);
   }
   return data;
 }

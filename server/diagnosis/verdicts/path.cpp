@@ -26,11 +26,12 @@ std::string made_needless(const Reference& reduced, const Reference& whole) {
   return p >= 1e-3 ? "what was added later made it needless (p = " + std::to_string(p) + ")" : "";
 }
 
-std::string stands_in(double share, double left) {
+std::string stands_in(double share, double left, bool is_exact) {
   // more is asked of a name where more stays unexplained; what came in late, when little was
   // missed, explains much of little
   constexpr double kMost = 0.5;
-  const double least_share = left > 0.25 ? 0.65 : left > 0.1 ? 0.5 : 0.35;
+  double least_share = left > 0.25 ? 0.65 : left > 0.1 ? 0.5 : 0.35;
+  if (is_exact && left > 0.1) least_share = 0.9;
   return left > kMost || share < least_share
              ? "it explains little of what is missed, and much stays unexplained: a stand-in"
              : "";

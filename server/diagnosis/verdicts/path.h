@@ -23,8 +23,9 @@ inline constexpr const char* kPlainIsEnough =
 
 /// Why an effect may go whose best part explained `share` of what was missed beyond the noise when
 /// it came in, where the model still misses the share `left` of what the baseline missed: it stands
-/// in for something that the catalogue lacks. "" where it explained enough.
-std::string stands_in(double share, double left);
+/// in for something that the catalogue lacks. "" where it explained enough. `is_exact`: alone, its
+/// form would leave nothing.
+std::string stands_in(double share, double left, bool is_exact = false);
 
 /// Whether so many different effects, of which the first explained `first_share` of what all of
 /// them explain, are terms of a series rather than causes: of one or two causes the larger explains

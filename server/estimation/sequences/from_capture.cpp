@@ -176,7 +176,10 @@ class Making {
       double sigma =
           sheet_.sigma_per_vertex_m.empty() ? sheet_.sigma_m : sheet_.sigma_per_vertex_m[k];
       if (sigma == 0.0) sigma = options_.unknown_sigma_m;
-      if (!(sigma > 0.0)) return bad_input("the capture does not say how noisy its positions are");
+      if (!(sigma > 0.0))
+        return bad_input(
+            "the capture does not say how noisy its positions are (positions.sigma, in metres; the "
+            "option sigma_m stands in for it)");
       sequence().points.push_back({{sheet_.material_m[k][0], sheet_.material_m[k][1]}, sigma});
       locations_.push_back(location_of.at(vertex));
       location_of.erase(vertex);
@@ -226,7 +229,9 @@ class Making {
       if (cord.clip != clips_[static_cast<std::size_t>(clip)].id) continue;
       const double sigma = cord.sigma_N > 0.0 ? cord.sigma_N : options_.unknown_sigma_N;
       if (!(sigma > 0.0))
-        return bad_input("cord \"" + cord.id + "\" does not say how noisy its tension is");
+        return bad_input("cord \"" + cord.id +
+                         "\" does not say how noisy its tension is (its tension.sigma, in newtons; "
+                         "the option sigma_N stands in for it)");
       double share = 0.0;  // of its noise that shows along the direction, over the frames
       for (const std::size_t f : out_.frame)
         share += std::pow(direction_of(force, f).dot(vector_of(cord.direction[f])), 2);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/jobs/sheet_diagnosis/run_sheet_diagnosis.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
@@ -27,14 +30,53 @@ json sheet_part(const json& given) {
   return part;
 }
 
-diagnosis::SheetRequest request_of(const SheetFindings& found, const diagnosis::Options& options) {
+bool states_positions(const capture::Sheet& sheet) {
+  return sheet.sigma_m > 0.0 || !sheet.sigma_per_vertex_m.empty();
+}
+
+bool states_forces(const capture::Sheet& sheet) {
+  return std::ranges::all_of(sheet.cords, [](const auto& cord) { return cord.sigma_N > 0.0; });
+}
+
+/// Noise that a capture does not state stands to what was measured as a rig's would, until readings
+/// show theirs.
+void guess_noise(const std::vector<std::pair<std::string, capture::Capture>>& captures,
+                 SheetFitOptions& options) {
+  constexpr double kOfSize = 2e-4, kOfLargest = 5e-3;
+  for (const auto& [id, capture] : captures) {
+    if (!capture.sheet) continue;
+    if (options.sigma_m == 0.0 && !states_positions(*capture.sheet)) {
+      Eigen::AlignedBox2d box;
+      for (const auto& place : capture.sheet->material_m)
+        box.extend(Eigen::Vector2d(place[0], place[1]));
+      options.sigma_m = kOfSize * box.diagonal().norm();
+    }
+    if (options.sigma_N > 0.0 || states_forces(*capture.sheet)) continue;
+    double largest_N = 0.0;
+    for (const capture::CordTrack& cord : capture.sheet->cords)
+      for (const double tension : cord.tension_N) largest_N = std::fmax(largest_N, tension);
+    if (largest_N > 0.0) options.sigma_N = kOfLargest * largest_N;
+  }
+}
+
+/// `guessed`: of positions, of all else, what does not state its noise has a guess.
+diagnosis::SheetRequest request_of(const SheetFindings& found, const diagnosis::Options& options,
+                                   const std::array<bool, 2>& guessed) {
   diagnosis::SheetRequest request;
   request.model = found.start;
   request.options = options;
-  for (const SheetInput& input : found.inputs)
-    request.sequences.push_back({input.id, input.capture.title, input.role, input.sequence(),
-                                 input.held_out, input.finer,
-                                 !input.sequence().cloth.mesh.triangle_layer.empty()});
+  for (const SheetInput& input : found.inputs) {
+    const capture::Sheet& sheet = *input.capture.sheet;
+    request.sequences.push_back(
+        {input.id,
+         input.capture.title,
+         input.role,
+         input.sequence(),
+         input.held_out,
+         input.finer,
+         !input.sequence().cloth.mesh.triangle_layer.empty(),
+         {guessed[0] && !states_positions(sheet), guessed[1] && !states_forces(sheet)}});
+  }
   return request;
 }
 
@@ -70,6 +112,9 @@ Expected<void> run_sheet_diagnosis(const JobInput& input, const json& spec,
   // a material is blamed after the grid; equal cells, as springs need, tell nothing of a finer one
   if (!spec.value("options", json::object()).contains("without_grid_error"))
     found.options.without_grid_error = found.options.has_graded_grid;
+  const std::array<bool, 2> may_guess = {found.options.sigma_m == 0.0,
+                                         found.options.sigma_N == 0.0};
+  guess_noise(captures, found.options);
   report({"prepare", std::to_string(ids.size()) + " captures", 0, 0.0, 0.01});
   auto inputs = sheet_inputs(std::move(captures), found.options);
   if (!inputs) return tl::unexpected(inputs.error());
@@ -81,7 +126,7 @@ Expected<void> run_sheet_diagnosis(const JobInput& input, const json& spec,
   control.report = [&](const diagnosis::Progress& p) {
     report({p.stage, p.detail, p.iteration, p.cost, p.fraction});
   };
-  const diagnosis::SheetRequest request = request_of(found, options);
+  const diagnosis::SheetRequest request = request_of(found, options, may_guess);
   auto diagnosis = diagnosis::diagnose_sheets(request, control);
   if (!diagnosis) return tl::unexpected(diagnosis.error());
 

@@ -4,8 +4,9 @@
 //
 // Options are those of a diagnosis ("seed", "null_twins", "max_effects", "leave_out") and those of
 // a sheet's fit that say how captures are read ("resolution", "grid", "points", "frames", "roles",
-// "held_out", "sigma_m", "sigma_N", "without_grid_error": the grid's own error is looked at before
-// any material is blamed, unless it is false or cells are equal).
+// "held_out", "sigma_m", "sigma_N": noise of captures that state none, which is estimated where
+// these are absent; "without_grid_error": the grid's own error is looked at before any material is
+// blamed, unless it is false or cells are equal).
 //
 // Writes result.json and residuals.h5 into the job's folder.
 #pragma once

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "common/model/document.h"
+#include "common/model/presets.h"
 #include "server/diagnosis/trials/model_edit.h"
 #include "tests/server/diagnosis/prepared_twin.h"
 
@@ -133,6 +134,97 @@ TEST(Without, GivesTheBaselineBack) {
 /// Said by checks, not by extensions.
 const std::set<std::string> kChecked = {"outliers", "load_cell_quantisation", "mesh_resolution",
                                         "solver_tolerance", "wrong_basin"};
+
+/// A sheet that all of its measures are strained on, and a cloth of constant stiffness.
+struct EvenSheet {
+  model::Model model = *model::preset("cloth_stvk");
+  Excitation excitation;
+
+  EvenSheet() {
+    excitation.sheet.emplace();
+    excitation.sheet->hi_m = {0.2, 0.1};
+    for (const model::Term& term : model.terms)
+      excitation.sheet->ranges[measure_key(term.strain)] = {0.0, 0.05};
+    excitation.sheet->captures = {"pull"};
+  }
+  std::vector<Variant> variants(const char* effect) const {
+    return variants_of(*find_effect(effect), model, excitation);
+  }
+};
+
+TEST(Heterogeneity, IsOfOneDirectionOrOfAllAndThenOfMorePlaces) {
+  EvenSheet sheet;
+  const std::vector<Variant> few = sheet.variants("heterogeneity");
+  ASSERT_EQ(few.size(), 4U);
+  EXPECT_EQ(few[0].append.size(), 9U);
+  const Variant& all = few[3];
+  ASSERT_EQ(all.append.size(), 27U);
+  sheet.model = extend(sheet.model, all, {}, "heterogeneity");
+  double lo = 1e300, hi = 0.0;
+  for (model::Term& term : sheet.model.terms) {
+    if (term.effect != "heterogeneity" || !term.id.starts_with("patch_weft")) continue;
+    const double k = 100.0 + 20.0 * term.support.sample;
+    set_parameter(term.law, "k", k);
+    lo = std::min(lo, k);
+    hi = std::max(hi, k);
+  }
+  const std::vector<Variant> many = sheet.variants("heterogeneity");
+  ASSERT_EQ(many.size(), 1U);
+  EXPECT_EQ(many[0].append.size(), 75U);
+  EXPECT_EQ(many[0].replace.size(), 27U);
+  for (const auto& [id, law] : many[0].replace) {
+    EXPECT_EQ(law.parameters.front().value, 0.0) << id;
+    EXPECT_TRUE(law.parameters.front().fixed) << id;
+  }
+  // they start from what the few say, which grows along u and then along v
+  const auto start = [&](int place) { return many[0].append[place].law.parameters.front().value; };
+  EXPECT_GT(start(0), lo - 1e-9);
+  EXPECT_LT(start(24), hi + 1e-9);
+  EXPECT_NEAR(start(12), 0.5 * (lo + hi), 1e-6 * hi);
+  EXPECT_GT(start(24), start(0));
+  sheet.model = extend(sheet.model, many[0], {}, "heterogeneity");
+  EXPECT_TRUE(sheet.variants("heterogeneity").empty());
+}
+
+TEST(CameraScale, OfASheetIsAboutItsMiddleOrAPlaceOfItsOwn) {
+  const std::vector<Variant> variants = EvenSheet().variants("camera_scale");
+  ASSERT_EQ(variants.size(), 2U);
+  ASSERT_EQ(variants[1].corrections.size(), 2U);
+  EXPECT_TRUE(variants[1].parts_are_one);
+  int free = 0;
+  for (const model::Parameter& p : variants[1].corrections[1].parameters)
+    if (!p.fixed) {
+      EXPECT_TRUE(p.name.starts_with("shift_")) << p.name;
+      EXPECT_EQ(p.value, 0.0);
+      ++free;
+    }
+  EXPECT_EQ(free, 3);
+}
+
+TEST(PlainForm, IsTakenWhereNothingOfTheSharperOneIsThere) {
+  Reference at;
+  at.model = *model::preset("cloth_stvk");
+  at.model.terms.push_back(new_term(at.model, "friction_weft", "green_u", 0.0, "dahl"));
+  at.model.terms.back().effect = "strain_dependent_friction";
+  const auto names = estimation::parameter_names(at.model);
+  const auto count = static_cast<Eigen::Index>(names.size());
+  at.fit.parameters = Eigen::VectorXd::Constant(count, 1.0);
+  at.fit.std_error = Eigen::VectorXd::Constant(count, 0.7);
+  at.fit.states.assign(names.size(), estimation::ParameterState::free);
+  const Effect& effect = *find_effect("strain_dependent_friction");
+  const auto plain = in_plain_form(at, effect);
+  ASSERT_TRUE(plain);
+  EXPECT_TRUE(holds(*plain, "internal_friction"));
+  EXPECT_FALSE(holds(*plain, effect.id));
+  for (const model::Parameter& p : plain->terms.back().law.parameters)
+    if (p.name == "b" || p.name == "c") {
+      EXPECT_EQ(p.value, 0.0);
+      EXPECT_TRUE(p.fixed);
+    }
+  at.fit.std_error.setConstant(0.3);  // the growth is surely there
+  EXPECT_FALSE(in_plain_form(at, effect));
+  EXPECT_FALSE(in_plain_form(at, *find_effect("internal_friction")));
+}
 
 TEST(Catalogue, EveryRowOfWordsIsScreenedOrChecked) {
   std::set<std::string> ids;

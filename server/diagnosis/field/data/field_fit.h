@@ -12,6 +12,7 @@
 // number of threads. Cost: a fit.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -31,6 +32,9 @@ struct FieldData {
   /// Of each kind of channel (kind_places() of structure.h) of how many independent readings its
   /// sigma is known; 0, or none: it is what the capture states.
   std::vector<double> sigma_known_of;
+  /// Of each sequence, of positions and of all else: sigmas are a guess, which what readings show
+  /// replaces; none: all are stated.
+  std::vector<std::array<bool, 2>> has_guessed_noise;
   int block_count() const;
 };
 

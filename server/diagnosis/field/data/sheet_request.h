@@ -2,6 +2,7 @@
 // What a diagnosis of sheets is asked. Values.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,9 @@ struct SheetSequence {
   /// The same measured values on a grid of half the spacing: with it the grid's error is known.
   std::optional<estimation::Sequence> finer = std::nullopt;
   bool is_laid_for_clips = false;  ///< its grid (estimation/sequences/material/grid_layout.h)
+  /// Of positions, of all else: the capture states no noise, and the channels' sigmas are a guess
+  /// that holds until readings show theirs.
+  std::array<bool, 2> has_guessed_noise = {false, false};
 };
 
 struct SheetRequest {

@@ -93,6 +93,10 @@ void choose(const Scatter& scatter, estimation::NoiseSource source, FieldNoise::
   kind.known_of = source == estimation::NoiseSource::repeats
                       ? static_cast<double>(scatter.values)
                       : 0.5 / (scatter.error() * scatter.error());
+  if (kind.is_guessed) {
+    kind.factor = scatter.spread;
+    return;
+  }
   constexpr double kFiltered = 0.1;
   const bool is_larger = scatter.spread > agrees && !scatter.is_bound;
   // readings so smooth went through a filter, and what is left of their noise is no scatter
@@ -139,6 +143,9 @@ FieldNoise estimate_field_noise(const FieldData& data, const std::vector<Row>& r
           kind.rows += std::isnan(v) ? 0 : 1;
       // forces are few, and of one rig in all captures
       const bool has_points = kind.kind == ObservationKind::position;
+      kind.is_guessed =
+          s < data.has_guessed_noise.size() && data.has_guessed_noise[s][has_points ? 0 : 1];
+      if (kind.is_guessed) kind.source = estimation::NoiseSource::guess;
       Looks own;
       Looks& looks = has_points ? own : pooled[kind.kind];
       if (has_points && points > 0) add_points(frames, sequence, tables[s], looks);
@@ -182,8 +189,13 @@ FieldNoise estimate_field_noise(const FieldData& data, const std::vector<Row>& r
 
 FieldData reweighed(FieldData data, const FieldNoise& noise) {
   data.sigma_known_of.resize(noise.kinds.size(), 0.0);
-  for (std::size_t k = 0; k < noise.kinds.size(); ++k)
-    if (noise.kinds[k].factor != 1.0) data.sigma_known_of[k] = noise.kinds[k].known_of;
+  for (std::size_t k = 0; k < noise.kinds.size(); ++k) {
+    const FieldNoise::Kind& kind = noise.kinds[k];
+    if (kind.factor != 1.0) data.sigma_known_of[k] = kind.known_of;
+    if (kind.is_guessed && kind.shown > 0.0)  // from now on a value like any other
+      data.has_guessed_noise[static_cast<std::size_t>(kind.sequence)]
+                            [kind.kind == ObservationKind::position ? 0 : 1] = false;
+  }
   for (const FieldNoise::Kind& kind : noise.kinds) {
     Sequence& sequence = data.sequences[static_cast<std::size_t>(kind.sequence)];
     if (kind.kind == ObservationKind::position) {

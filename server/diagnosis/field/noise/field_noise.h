@@ -15,6 +15,8 @@
 // errors: a handful of forces knows no better. It stays too where neighbouring readings differ by
 // less than a tenth of it: they were filtered, and tell nothing of the noise that they had.
 //
+// Where a capture states none a guess stands in, and what is shown takes its place in any case.
+//
 //   const FieldNoise noise = estimate_field_noise(data, rows, residuals);
 //   data = reweighed(data, noise);                                // and fit again
 //
@@ -35,11 +37,12 @@ struct FieldNoise {
     int sequence = 0;
     estimation::ObservationKind kind = estimation::ObservationKind::position;
     int rows = 0;
-    double stated = 0.0;    ///< rms of the channels' sigmas: m or N
-    double shown = 0.0;     ///< the same by repeats or scatter; 0: cannot be had
-    bool is_bound = false;  ///< the noise is no larger than `shown`, but may be smaller
-    double factor = 1.0;    ///< on the sigmas
-    double known_of = 0.0;  ///< independent readings that `shown` is worth
+    double stated = 0.0;      ///< rms of the channels' sigmas: m or N
+    double shown = 0.0;       ///< the same by repeats or scatter; 0: cannot be had
+    bool is_bound = false;    ///< the noise is no larger than `shown`, but may be smaller
+    double factor = 1.0;      ///< on the sigmas
+    bool is_guessed = false;  ///< `stated` is a guess
+    double known_of = 0.0;    ///< independent readings that `shown` is worth
     estimation::NoiseSource source = estimation::NoiseSource::declared;
   };
   std::vector<Kind> kinds;  ///< in the order of kind_places()

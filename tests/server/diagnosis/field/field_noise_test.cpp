@@ -13,9 +13,10 @@ namespace tenter::diagnosis {
 namespace {
 
 /// Of positions, where what is left of them is white and `times` what is stated.
-FieldNoise::Kind shown_where_scatter_is(double times) {
+FieldNoise::Kind shown_where_scatter_is(double times, bool is_guessed = false) {
   const testing::SheetTruth truth{.model = testing::compliant_cloth(), .protocols = {"stretch_u"}};
-  const FieldData data = data_of(sheets_of(truth, testing::compliant_cloth()));
+  FieldData data = data_of(sheets_of(truth, testing::compliant_cloth()));
+  data.has_guessed_noise = {{is_guessed, is_guessed}};
   const auto at = predict_field(truth.model, data, {}, {});
   if (!at) throw std::runtime_error(at.error().message);
   Normal normal(7);
@@ -41,6 +42,15 @@ TEST(FieldNoise, IsWhatIsStatedWhereReadingsAgreeOrWereFiltered) {
     EXPECT_EQ(kind.factor, 1.0) << times;
     EXPECT_EQ(kind.source, estimation::NoiseSource::declared);
     EXPECT_NEAR(kind.shown, times * kind.stated, 0.1 * times * kind.stated);
+  }
+}
+
+TEST(FieldNoise, IsWhatReadingsShowInPlaceOfAnyGuess) {
+  for (const double times : {0.02, 1.1, 8.0}) {
+    const FieldNoise::Kind kind = shown_where_scatter_is(times, true);
+    EXPECT_NEAR(kind.factor, times, 0.1 * times);
+    EXPECT_TRUE(kind.is_guessed);
+    EXPECT_EQ(kind.source, estimation::NoiseSource::scatter);
   }
 }
 

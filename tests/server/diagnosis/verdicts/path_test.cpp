@@ -14,8 +14,11 @@ TEST(Path, MoreIsAskedOfANameWhereMoreStaysUnexplained) {
   EXPECT_TRUE(stays(0.55, 0.2));
   EXPECT_FALSE(stays(0.45, 0.2));
   EXPECT_TRUE(stays(0.7, 0.29));
-  EXPECT_FALSE(stays(0.55, 0.45));  // what backlash leaves of a delay
-  EXPECT_FALSE(stays(0.9, 0.6));    // of the little that was left when it came in
+  EXPECT_FALSE(stays(0.55, 0.45));                    // what backlash leaves of a delay
+  EXPECT_FALSE(stays(0.9, 0.6));                      // of the little that was left when it came in
+  EXPECT_FALSE(stands_in(0.85, 0.15, true).empty());  // what a lens bends leaves of a scale
+  EXPECT_TRUE(stands_in(0.95, 0.15, true).empty());
+  EXPECT_TRUE(stands_in(0.85, 0.05, true).empty());
 }
 
 TEST(Path, ManyEffectsOfWhichNoneExplainsMuchAreASeries) {

@@ -442,8 +442,10 @@ TEST(FromCapture, SaysWhatIsWrong) {
   EXPECT_EQ(complaint(bad, same_grid()), "square: is not a capture of a deforming sheet");
   bad = good;
   bad.sheet->sigma_m = 0.0;
-  EXPECT_EQ(complaint(bad, same_grid()),
-            "square: the capture does not say how noisy its positions are");
+  EXPECT_EQ(
+      complaint(bad, same_grid()),
+      "square: the capture does not say how noisy its positions are (positions.sigma, in metres; "
+      "the option sigma_m stands in for it)");
   FromCaptureOptions options = same_grid();
   options.unknown_sigma_m = 1e-4;
   EXPECT_EQ(complaint(bad, options), "");

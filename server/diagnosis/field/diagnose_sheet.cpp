@@ -59,6 +59,12 @@ void take(Chain& chain, const FieldTrial& trial) {
   if (foretold) chain.held_out = std::move(*foretold);
 }
 
+std::set<std::string> effects_of(const Chain& chain) {
+  std::set<std::string> ids;
+  for (const FieldFinding& f : chain.accepted) ids.insert(f.trial.effect->id);
+  return ids;
+}
+
 /// Refits the short list, each trial in a thread of its own; best first.
 std::vector<FieldTrial> refit_all(const std::vector<Candidate>& candidates, const Chain& chain) {
   std::vector<FieldTrial> trials(candidates.size());
@@ -73,9 +79,14 @@ std::vector<FieldTrial> refit_all(const std::vector<Candidate>& candidates, cons
   std::erase_if(trials, [](const FieldTrial& t) { return !t.trial.fit.usable; });
   double rows = chain.current.at.fit.effective_rows;
   for (const FieldTrial& t : trials) rows = std::max(rows, t.trial.fit.effective_rows);
-  const int added = static_cast<int>(chain.accepted.size()) + 1;
+  const std::set<std::string> known = effects_of(chain);
+  // more of what was found is no further cause
+  const auto criterion = [&](const FieldTrial& t) {
+    const std::size_t causes = known.size() + (known.contains(t.trial.effect->id) ? 0 : 1);
+    return criterion_of(t.trial, static_cast<int>(causes), rows);
+  };
   std::stable_sort(trials.begin(), trials.end(), [&](const FieldTrial& a, const FieldTrial& b) {
-    return criterion_of(a.trial, added, rows) < criterion_of(b.trial, added, rows);
+    return criterion(a) < criterion(b);
   });
   return trials;
 }
@@ -207,12 +218,6 @@ Expected<void> go_forward(Chain& chain) {
   return {};
 }
 
-std::set<std::string> effects_of(const Chain& chain) {
-  std::set<std::string> ids;
-  for (const FieldFinding& f : chain.accepted) ids.insert(f.trial.effect->id);
-  return ids;
-}
-
 /// Takes an effect out, refits, and keeps it out where `why_needless` says so of the refit.
 template <class WhyNeedless>
 void drop_where(Chain& chain, WhyNeedless&& why_needless) {
@@ -272,11 +277,14 @@ Part part_of(const Chain& chain, const FieldFinding& finding, double noise) {
   const Misfit after = misfit(finding.trial.fit.residuals);
   const Misfit first = misfit(chain.d.baseline.at.fit.residuals);
   const Misfit now = misfit(chain.current.at.fit.residuals);
+  constexpr double kBeside = 0.1;  // of the gain: what shows in passing is no proof
+  const auto gained = [&](std::size_t k) { return finding.before.chi2[k] - after.chi2[k]; };
   Part best;
   for (const std::size_t k : {0UL, 1UL}) {
+    if (gained(k) < kBeside * gained(1 - k)) continue;
     const double expected = noise * now.rows[k];
     const double missed = finding.before.chi2[k] - expected;
-    const double share = missed > 0.0 ? (finding.before.chi2[k] - after.chi2[k]) / missed : 0.0;
+    const double share = missed > 0.0 ? gained(k) / missed : 0.0;
     if (share <= best.share) continue;
     // where nothing is missed any more nothing is stood in for
     const bool is_met = now.chi2[k] <= 1.1 * expected;

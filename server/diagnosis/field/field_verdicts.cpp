@@ -160,19 +160,19 @@ bool is_within_stated(const SheetDiagnosis& d) {
   });
 }
 
-/// What is left of positions, or of all else, goes on from frame to frame, from point to point, or
-/// stays with the material. White noise does neither, however much larger than stated it is.
-bool goes_on(const std::vector<Structure>& left, bool of_positions) {
+/// What is left is white: it goes on neither from frame to frame nor from point to point, does not
+/// stay with the material, and neighbouring frames differ by as much. That is noise, however much
+/// larger than stated.
+bool is_scatter(const Structure& left, const FieldNoise& noise) {
   constexpr double kSurely = 2.58;  // standard deviations of what white noise has
-  double rows = 0.0, in_time = 0.0, in_space = 0.0;
-  for (const Structure& s : left) {
-    if ((s.kind == estimation::ObservationKind::position) != of_positions) continue;
-    rows += s.rows;
-    in_time += s.rows * s.in_time;
-    in_space += s.rows * std::max(s.neighbours, s.fixed);
-  }
-  const double most = kSurely * std::sqrt(rows);
-  return std::abs(in_time) > most || in_space > most;
+  constexpr double kShown = 0.7;    // of what is left, by scatter
+  const double most = kSurely / std::sqrt(static_cast<double>(left.rows));
+  if (std::abs(left.in_time) > most || std::max(left.neighbours, left.fixed) > most) return false;
+  return std::ranges::any_of(noise.kinds, [&](const FieldNoise::Kind& kind) {
+    const double shown = kind.shown / (kind.stated * kind.factor);  // in sigmas as they are now
+    return kind.sequence == left.sequence && kind.kind == left.kind &&
+           shown * shown * left.rows > kShown * kShown * left.chi2;
+  });
 }
 
 void add_unexplained(SheetDiagnosis& d, bool anything_found) {
@@ -182,14 +182,12 @@ void add_unexplained(SheetDiagnosis& d, bool anything_found) {
   d.unexplained_share = missed > 0.0 ? std::min(1.0, left / missed) : 0.0;
   // a tenth of the noise's power in some kind of channel is worth a word
   const std::array<bool, 2> is_of_grid = within_grid(d);
-  const std::array<bool, 2> is_white = {!goes_on(d.structure_left, true),
-                                        !goes_on(d.structure_left, false)};
   bool lacks_fit = false;
   for (const Structure& s : d.structure_left) {
     const std::size_t kind = s.kind == estimation::ObservationKind::position ? 0 : 1;
     lacks_fit =
         lacks_fit || (s.rows > 0 && s.chi2 > 1.1 * s.rows && d.last_screen.lack_of_fit > 1.0 &&
-                      !is_of_grid[kind] && !is_white[kind]);
+                      !is_of_grid[kind] && !is_scatter(s, d.noise));
   }
   if (!lacks_fit) {
     d.unexplained_share = 0.0;

@@ -84,8 +84,11 @@ double repeat_spread(const ResidualTable& a, const ResidualTable& b,
 /// stated value that it is too large, never that it is too small.
 void choose(const Scatter& scatter, estimation::NoiseSource source, FieldNoise::Kind& kind) {
   if (!(scatter.spread > 0.0)) return;
-  constexpr double kSurely = 3.0;
-  const double agrees = std::max(kAgrees, std::exp(kSurely * scatter.error()));
+  // too little noise names what is none; too much only says less
+  constexpr double kLarger = 2.33, kSmaller = 3.0;  // standard errors
+  const auto agrees = [&](double errors) {
+    return std::max(kAgrees, std::exp(errors * scatter.error()));
+  };
   kind.shown = scatter.spread * kind.stated;
   kind.is_bound = scatter.is_bound;
   kind.source = source;
@@ -98,10 +101,10 @@ void choose(const Scatter& scatter, estimation::NoiseSource source, FieldNoise::
     return;
   }
   constexpr double kFiltered = 0.1;
-  const bool is_larger = scatter.spread > agrees && !scatter.is_bound;
+  const bool is_larger = scatter.spread > agrees(kLarger) && !scatter.is_bound;
   // readings so smooth went through a filter, and what is left of their noise is no scatter
   const bool is_filtered = source == estimation::NoiseSource::scatter && scatter.spread < kFiltered;
-  if (is_larger || (scatter.spread < 1.0 / agrees && !is_filtered))
+  if (is_larger || (scatter.spread < 1.0 / agrees(kSmaller) && !is_filtered))
     kind.factor = scatter.spread;
   else if (source == estimation::NoiseSource::scatter)
     kind.source = estimation::NoiseSource::declared;

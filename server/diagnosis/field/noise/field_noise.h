@@ -11,9 +11,10 @@
 //   stated    where neither can be had, or what scatters is only a bound of the noise, and above
 //             what is stated
 //
-// The stated value stays where what is shown is within a quarter of it, or within three of its own
-// errors: a handful of forces knows no better. It stays too where neighbouring readings differ by
-// less than a tenth of it: they were filtered, and tell nothing of the noise that they had.
+// The stated value stays where what is shown is within a quarter of it, or within two to three of
+// its own errors: a handful of forces knows no better. It stays too where neighbouring readings
+// differ by less than a tenth of it: they were filtered, and tell nothing of the noise that they
+// had.
 //
 // Where a capture states none a guess stands in, and what is shown takes its place in any case.
 //

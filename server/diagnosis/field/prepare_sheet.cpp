@@ -2,6 +2,7 @@
 #include "server/diagnosis/field/prepare_sheet.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -34,25 +35,32 @@ FieldData gathered(const SheetRequest& request, bool held_out) {
 
 /// A sheet is thinner than it is wide, and so less stiff in bending, E t^3 / 12, than its
 /// membrane's stiffness, E t, times the square of its diagonal. Captures that hardly bend would let
-/// it grow until numbers no longer tell a frame that rests from one that does not.
+/// it grow until numbers no longer tell a frame that rests from one that does not. Nor is it as
+/// thin as nothing: without any bending a sheet that hangs has motions that cost nothing.
 void bound_bending(const FieldData& data, model::Model& model) {
-  double membrane_N_per_m = 0.0;
+  constexpr double kThinnest_m = 1e-5;
+  double stiffest_N_per_m = 0.0, softest_N_per_m = std::numeric_limits<double>::infinity();
   for (const model::Term& term : model.terms)
-    for (const model::Parameter& p : term.law.parameters)
-      if (p.unit == "N/m") membrane_N_per_m = std::max(membrane_N_per_m, p.value);
+    for (const model::Parameter& p : term.law.parameters) {
+      if (p.unit != "N/m" || !(p.value > 0.0)) continue;
+      stiffest_N_per_m = std::max(stiffest_N_per_m, p.value);
+      softest_N_per_m = std::min(softest_N_per_m, p.value);
+    }
   double diagonal_m2 = 0.0;
   for (const estimation::Sequence& sequence : data.sequences) {
     const Eigen::Matrix2Xd& at = sequence.cloth.mesh.material_m;
     diagonal_m2 =
         std::max(diagonal_m2, (at.rowwise().maxCoeff() - at.rowwise().minCoeff()).squaredNorm());
   }
-  const double most_N_m = membrane_N_per_m * diagonal_m2;
+  const double most_N_m = stiffest_N_per_m * diagonal_m2;
   if (!(most_N_m > 0.0)) return;
+  const double least_N_m = softest_N_per_m * kThinnest_m * kThinnest_m / 12.0;
   for (model::Term& term : model.terms)
     for (model::Parameter& p : term.law.parameters) {
       if (p.unit != "N m" || p.fixed) continue;
+      p.lower = std::max(p.lower.value_or(least_N_m), least_N_m);
       p.upper = std::max(p.lower.value_or(0.0), std::min(p.upper.value_or(most_N_m), most_N_m));
-      p.value = std::min(p.value, *p.upper);
+      p.value = std::clamp(p.value, *p.lower, *p.upper);
     }
 }
 
@@ -97,6 +105,36 @@ Expected<model::Model> started(const SheetRequest& request, const Control& contr
   return model;
 }
 
+bool is_stiffness(const model::Parameter& before, const model::Parameter& after) {
+  return after.unit == "N/m" && !after.fixed && before.value > 0.0;
+}
+
+/// Lower median; 0 of none.
+double middle_of(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[(values.size() - 1) / 2];
+}
+
+/// What the search for a start sent to nowhere, for captures do not determine it, starts where the
+/// others did: beside a shear of 1e15 N/m numbers tell nothing of the rest.
+void bring_back(const model::Model& start, model::Model& model) {
+  constexpr double kNowhere = 300.0;  // factor on what is usual
+  const auto before = estimation::parameters_of(start);
+  const auto after = estimation::parameters_of(model);
+  if (before.size() != after.size()) return;
+  std::vector<double> factors;
+  for (std::size_t i = 0; i < after.size(); ++i)
+    if (is_stiffness(*before[i], *after[i])) factors.push_back(after[i]->value / before[i]->value);
+  const double factor = middle_of(factors);
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    if (!is_stiffness(*before[i], *after[i])) continue;
+    const double usual = factor * before[i]->value;
+    if (after[i]->value > kNowhere * usual || after[i]->value < usual / kNowhere)
+      after[i]->value = usual;
+  }
+}
+
 /// Stiffnesses that the captures do not determine and that ran away: a sheet that resists nothing
 /// in shear, or everything, comes to no rest in the next fit. Usual is the start value times what
 /// the fit made of those that it determined; who fell far below is held there, who rose far above
@@ -115,18 +153,16 @@ std::vector<std::string> hold_undetermined(const model::Model& start,
   const auto shown = [&](std::size_t i, double value) {
     return jacobian->col(static_cast<Eigen::Index>(i)).norm() * std::abs(value);
   };
-  const auto is_stiffness = [&](std::size_t i) {
-    return after[i]->unit == "N/m" && !after[i]->fixed && before[i]->value > 0.0;
-  };
   std::vector<double> factors;
   for (std::size_t i = 0; i < after.size(); ++i)
-    if (is_stiffness(i) && (jacobian == nullptr || shown(i, after[i]->value) > kDetermined))
+    if (is_stiffness(*before[i], *after[i]) &&
+        (jacobian == nullptr || shown(i, after[i]->value) > kDetermined))
       factors.push_back(after[i]->value / before[i]->value);
   if (factors.empty()) return away;
-  std::sort(factors.begin(), factors.end());
+  const double factor = middle_of(factors);
   for (std::size_t i = 0; i < after.size(); ++i) {
-    if (!is_stiffness(i)) continue;
-    const double usual = before[i]->value * factors[(factors.size() - 1) / 2];
+    if (!is_stiffness(*before[i], *after[i])) continue;
+    const double usual = before[i]->value * factor;
     const bool ran = after[i]->value > kAway * usual || after[i]->value < usual / kAway;
     if (!ran) continue;
     if (jacobian != nullptr && shown(i, usual) > kUnseen) continue;
@@ -214,6 +250,7 @@ Expected<SheetDiagnosis> prepare_sheets(const SheetRequest& request, const Contr
   if (d.data.sequences.empty()) return bad_input("all captures are held out: none is left to fit");
   auto model = started(request, control, d);
   if (!model) return tl::unexpected(model.error());
+  bring_back(request.model, *model);
   bound_bending(d.data, *model);
   FieldFitOptions options = field_options(control);
   options.on_iteration = [&](int iteration, double cost) {

@@ -2,6 +2,7 @@
 #include "server/diagnosis/field/diagnose_sheet.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 #include <utility>
@@ -297,12 +298,18 @@ Part part_of(const Chain& chain, const FieldFinding& finding, double noise) {
 }
 
 /// Positions or all else are missed by more than a tenth of the noise's power: thousands of points
-/// would outvote the forces.
+/// would outvote the forces. What only scatters is not missed.
 bool misses_a_kind(const Chain& chain, double expected) {
-  const Misfit now =
-      misfit_of(chain.d.data.sequences, chain.current.rows, chain.current.at.fit.residuals);
-  const double noise = expected / (now.rows[0] + now.rows[1]);
-  return now.chi2[0] > 1.1 * noise * now.rows[0] || now.chi2[1] > 1.1 * noise * now.rows[1];
+  std::array<double, 2> chi2 = {0.0, 0.0}, allowed = {0.0, 0.0};
+  const double noise = expected / static_cast<double>(chain.current.rows.size());
+  for (const Structure& s :
+       structure_of(chain.d.data.sequences, chain.current.rows, chain.current.at.fit.residuals)) {
+    const std::size_t kind = s.kind == estimation::ObservationKind::position ? 0 : 1;
+    chi2[kind] += s.chi2;
+    allowed[kind] +=
+        is_scatter(s, chain.d.noise) ? std::max(s.chi2, noise * s.rows) : noise * s.rows;
+  }
+  return chi2[0] > 1.1 * allowed[0] || chi2[1] > 1.1 * allowed[1];
 }
 
 /// Where the model still misses more than the noise, an effect that explained little of what was

@@ -28,6 +28,7 @@ FieldFit fit_of(const FieldTrial& trial, const FieldFit& before) {
 /// chi2 of one kind of channel of one sequence, by both models.
 struct KindChi2 {
   double before = 0.0, after = 0.0, rows = 0.0;
+  bool of_positions = false;
 };
 
 std::vector<KindChi2> chi2_by_kind(const FieldFit& before, const FieldTrial& after,
@@ -41,17 +42,28 @@ std::vector<KindChi2> chi2_by_kind(const FieldFit& before, const FieldTrial& aft
     kinds[p].before += std::pow(before.at.fit.residuals[k], 2);
     kinds[p].after += std::pow(after.trial.fit.residuals[k], 2);
     kinds[p].rows += 1.0;
+    const auto& sequence = data.sequences[static_cast<std::size_t>(before.rows[r].curve)];
+    kinds[p].of_positions = before.rows[r].channel < 3 * static_cast<int>(sequence.points.size());
   }
   std::erase_if(kinds, [](const KindChi2& kind) { return kind.rows == 0.0; });
   return kinds;
 }
 
+/// A fault of cameras: forces gain by it only what they gain by anything.
+bool is_of_points(const Variant& variant) {
+  return !variant.corrections.empty() &&
+         std::ranges::all_of(variant.corrections, [](const model::SensorCorrection& c) {
+           return c.type.starts_with("camera_") || c.type == "occlusion_bias";
+         });
+}
+
 /// Largest share, over kinds of channels, of the noise's power there that is explained: forces are
 /// few among thousands of positions.
-double share_of_noise(const std::vector<KindChi2>& kinds) {
+double share_of_noise(const std::vector<KindChi2>& kinds, bool of_points) {
   double largest = 0.0;
   for (const KindChi2& kind : kinds)
-    largest = std::max(largest, (kind.before - kind.after) / kind.rows);
+    if (kind.of_positions || !of_points)
+      largest = std::max(largest, (kind.before - kind.after) / kind.rows);
   return largest;
 }
 
@@ -182,17 +194,25 @@ std::string held_out_objection(FieldTrial& trial, const FieldFit& before, const 
     // speak neither for nor against it: then parts of what was fitted judge, left out in turn
   }
   const FieldFit larger = fit_of(trial, before);
-  estimation::Folds folds = telling_folds(larger, before, data, !trial.trial.effect->in_every_run);
-  if (folds.training.empty()) return kNothingLeftOut;
+  estimation::Folds folds = telling_folds(larger, before, data);
   estimation::HeldOut after, earlier;
   // the others judge where a sheet comes to no rest without some part of the data
-  for (bool is_done = false; !is_done;) {
+  for (bool is_done = folds.training.empty(); !is_done;) {
     after = cross_validate_field(larger, data, folds, options);
     earlier = after.usable ? cross_validate_field(before, data, folds, options) : after;
     const int failed = earlier.failed_fold;
     is_done = failed < 0 || folds.training.size() <= 2;
     if (!is_done) folds.training.erase(folds.training.begin() + failed);
   }
+  // a fault of an instrument is the same in every frame: where no part can be left out, some can
+  if ((!after.usable || !earlier.usable) && trial.trial.effect->kind == effects::Kind::sensor) {
+    folds = telling_folds(larger, before, data, {"frames"});
+    if (!folds.training.empty()) {
+      after = cross_validate_field(larger, data, folds, options);
+      earlier = cross_validate_field(before, data, folds, options);
+    }
+  }
+  if (folds.training.empty()) return kNothingLeftOut;
   const double noise = expected_chi2 / static_cast<double>(before.rows.size());
   return compare_held_out(
       trial.trial, earlier, after, before.rows, data.block_count(), folds.kind,
@@ -202,15 +222,13 @@ std::string held_out_objection(FieldTrial& trial, const FieldFit& before, const 
 }  // namespace
 
 estimation::Folds telling_folds(const FieldFit& larger, const FieldFit& smaller,
-                                const FieldData& data, bool is_accident) {
+                                const FieldData& data, const std::vector<std::string>& kinds) {
   constexpr double kShown = 0.02;   // of the whole gain, by what is left out
   constexpr double kBlurred = 0.5;  // of the gain there, by what the rest does not know
   const Eigen::VectorXd gain =
       smaller.at.fit.residuals.cwiseAbs2() - larger.at.fit.residuals.cwiseAbs2();
   const double whole = gain.sum();
-  std::vector<const char*> kinds = {"protocols", "captures", "blocks"};
-  if (is_accident) kinds.push_back("frames");
-  for (const char* kind : kinds) {
+  for (const std::string& kind : kinds) {
     estimation::Folds folds = field_folds(data, larger.rows, kind);
     std::erase_if(folds.training, [&](const Eigen::VectorXd& training) {
       const Eigen::VectorXd left_out = Eigen::VectorXd::Ones(training.size()) - training;
@@ -284,7 +302,7 @@ void judge_field(FieldTrial& field, const FieldFit& before, const FieldData& dat
                                                                 determined_count(trial.fit), rows));
   trial.explained = explained_share(earlier.chi2, trial.fit.chi2, expected_chi2);
   constexpr double kSmallest = 0.05;  // of the noise's power: what is smaller matters to nobody
-  if (share_of_noise(kinds) < kSmallest)
+  if (share_of_noise(kinds, is_of_points(trial.variant)) < kSmallest)
     trial.objections.push_back("what it explains is far below the noise");
   if (trial.p_value >= 1e-3)
     trial.objections.push_back("an F test on independent rows gives it p = " +

@@ -47,9 +47,11 @@ std::string objection_by_kind(const std::array<double, 2>& taken, const Misfit& 
 std::string objection_of_grid(const std::array<double, 2>& taken, const Misfit& before,
                               const Misfit& after);
 
-/// The folds that can judge what `larger` adds: the rest determines it, and what is left out shows
-/// it. Fewer than two: empty.
+/// The folds that can judge what `larger` adds, of the first of these kinds that has two: the rest
+/// determines it, and what is left out shows it. Fewer than two of any kind: empty.
 estimation::Folds telling_folds(const FieldFit& larger, const FieldFit& smaller,
-                                const FieldData& data, bool is_accident = false);
+                                const FieldData& data,
+                                const std::vector<std::string>& kinds = {"protocols", "captures",
+                                                                         "blocks"});
 
 }  // namespace tenter::diagnosis

@@ -160,21 +160,6 @@ bool is_within_stated(const SheetDiagnosis& d) {
   });
 }
 
-/// What is left is white: it goes on neither from frame to frame nor from point to point, does not
-/// stay with the material, and neighbouring frames differ by as much. That is noise, however much
-/// larger than stated.
-bool is_scatter(const Structure& left, const FieldNoise& noise) {
-  constexpr double kSurely = 2.58;  // standard deviations of what white noise has
-  constexpr double kShown = 0.7;    // of what is left, by scatter
-  const double most = kSurely / std::sqrt(static_cast<double>(left.rows));
-  if (std::abs(left.in_time) > most || std::max(left.neighbours, left.fixed) > most) return false;
-  return std::ranges::any_of(noise.kinds, [&](const FieldNoise::Kind& kind) {
-    const double shown = kind.shown / (kind.stated * kind.factor);  // in sigmas as they are now
-    return kind.sequence == left.sequence && kind.kind == left.kind &&
-           shown * shown * left.rows > kShown * kShown * left.chi2;
-  });
-}
-
 void add_unexplained(SheetDiagnosis& d, bool anything_found) {
   const double expected = expected_chi2(d.baseline);
   const double missed = std::max(0.0, d.baseline.at.fit.chi2 - expected);

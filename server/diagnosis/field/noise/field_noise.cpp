@@ -190,6 +190,21 @@ FieldNoise estimate_field_noise(const FieldData& data, const std::vector<Row>& r
   return noise;
 }
 
+bool is_scatter(const Structure& left, const FieldNoise& noise) {
+  constexpr double kSurely = 2.58;  // standard deviations of what white noise has
+  constexpr double kShown = 0.7;    // of what is left, by scatter
+  constexpr double kMost = 2.2;     // times what is stated
+  const double rows = std::max(1, left.rows);
+  const double most = kSurely / std::sqrt(rows);
+  if (std::abs(left.in_time) > most || std::max(left.neighbours, left.fixed) > most) return false;
+  const double times = std::sqrt(left.chi2 / rows);
+  return std::ranges::any_of(noise.kinds, [&](const FieldNoise::Kind& kind) {
+    const double taken = kind.stated * kind.factor;
+    return kind.sequence == left.sequence && kind.kind == left.kind &&
+           kind.shown > kShown * times * taken && (kind.is_guessed || times * kind.factor < kMost);
+  });
+}
+
 FieldData reweighed(FieldData data, const FieldNoise& noise) {
   data.sigma_known_of.resize(noise.kinds.size(), 0.0);
   for (std::size_t k = 0; k < noise.kinds.size(); ++k) {

@@ -28,6 +28,7 @@
 #include <vector>
 
 #include "server/diagnosis/field/data/field_fit.h"
+#include "server/diagnosis/field/data/structure.h"
 #include "server/estimation/noise.h"
 #include "server/estimation/sequences/observations.h"
 
@@ -51,6 +52,11 @@ struct FieldNoise {
 
 FieldNoise estimate_field_noise(const FieldData& data, const std::vector<estimation::Row>& rows,
                                 const Eigen::VectorXd& residuals);
+
+/// What is left is white: it goes on neither from frame to frame nor from point to point, does not
+/// stay with the material, and neighbouring frames differ by as much. That is noise which is larger
+/// than stated, if not by so much that nobody would have stated it.
+bool is_scatter(const Structure& left, const FieldNoise& noise);
 
 /// The sigmas times their factors.
 FieldData reweighed(FieldData data, const FieldNoise& noise);

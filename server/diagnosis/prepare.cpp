@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 
@@ -68,15 +69,15 @@ void keep_flat_tops(const std::vector<Curves>& curves, std::vector<estimation::O
 }
 
 /// All stiffnesses times one factor where the forces at the start values miss by more than the
-/// forces themselves: free directions stay where they are, so that it can be had without a search.
-/// A search from there would stop where a free direction comes to no rest.
-model::Model with_start_in_reach(model::Model model, const DataPointer& data) {
+/// forces themselves, else nothing: free directions stay where they are, so that it can be had
+/// without a search. A search from there would stop where a free direction comes to no rest.
+std::optional<model::Model> with_start_in_reach(model::Model model, const DataPointer& data) {
   estimation::adapt_spline_ranges(model, data->curves);
   auto evaluator = estimation::Evaluator::make(model, data);
   Eigen::VectorXd residuals;
   if (!evaluator || evaluator->evaluate(estimation::parameter_values(model), residuals, nullptr) !=
                         mechanics::PathStatus::ok)
-    return model;
+    return std::nullopt;
   const std::vector<double> shown = evaluator->predicted(residuals);
   double across = 0.0, square = 0.0, measured_square = 0.0, missed = 0.0;
   for (std::size_t r = 0; r < shown.size(); ++r) {
@@ -91,12 +92,24 @@ model::Model with_start_in_reach(model::Model model, const DataPointer& data) {
     measured_square += measured * measured;
     missed += (predicted - measured) * (predicted - measured);
   }
-  if (missed <= measured_square || across <= 0.0) return model;
+  if (missed <= measured_square || across <= 0.0) return std::nullopt;
   for (model::Parameter* p : estimation::parameters_of(model))
     if (!p->fixed && p->unit.find('N') != std::string::npos)
       p->value = std::clamp(p->value * across / square, p->lower.value_or(-1e300),
                             p->upper.value_or(1e300));
   return model;
+}
+
+/// The first fit, from the start values and, where these are out of reach, from nearer ones, too.
+Expected<Reference> first_reference(const model::Model& start, const DataPointer& data,
+                                    const estimation::FitOptions& options) {
+  auto from_start = make_reference(start, data, options);
+  const auto nearer = with_start_in_reach(start, data);
+  if (!nearer) return from_start;
+  auto from_nearer = make_reference(*nearer, data, options);
+  const bool is_better =
+      from_nearer && (!from_start || from_nearer->fit.chi2 < from_start->fit.chi2);
+  return is_better ? from_nearer : from_start;
 }
 
 }  // namespace
@@ -174,7 +187,7 @@ Expected<Prepared> prepare(const Request& request, const Control& control) {
   DataSet full = first_data(prepared.curves);
   auto coarse =
       std::make_shared<const DataSet>(thinned(full, request.options.max_frames_per_block));
-  auto reference = make_reference(with_start_in_reach(request.model, coarse), coarse, options);
+  auto reference = first_reference(request.model, coarse, options);
   if (!reference) return tl::unexpected(reference.error());
 
   // isolated misreadings on every frame, seen against the first fit

@@ -265,12 +265,14 @@ FieldTrial refit_field(const Candidate& candidate, const FieldFit& base, const F
 
 std::string objection_by_kind(const std::array<double, 2>& taken, const Misfit& before,
                               const Misfit& after, bool is_more_of_one) {
-  constexpr double kWorse = 0.15;  // of what is gained
+  constexpr double kWorse = 0.15;     // of what is gained
+  constexpr double kMuchWorse = 0.5;  // of what was missed of the others
   const auto gained = [&](std::size_t kind) { return before.chi2[kind] - after.chi2[kind]; };
   const std::size_t shown = gained(0) > gained(1) ? 0 : 1;
   if (!is_more_of_one && is_within_form(gained(shown), taken[shown], kFormOfSheets))
     return "it is no more than the form of what was found may miss";
-  if (-gained(1 - shown) > std::max(kDecisive, kWorse * gained(shown)))
+  const double allowed = std::min(kWorse * gained(shown), kMuchWorse * before.chi2[1 - shown]);
+  if (-gained(1 - shown) > std::max(kDecisive, allowed))
     return shown == 0 ? "what it explains of the positions it misses of the forces"
                       : "what it explains of the forces it misses of the positions";
   return "";

@@ -138,13 +138,16 @@ void bring_back(const model::Model& start, model::Model& model) {
 /// Stiffnesses that the captures do not determine and that ran away: a sheet that resists nothing
 /// in shear, or everything, comes to no rest in the next fit. Usual is the start value times what
 /// the fit made of those that it determined; who fell far below is held there, who rose far above
-/// is bounded. `jacobian` of the fit; none, where that failed: then whoever ran away is held. Their
-/// names.
+/// is bounded, and whoever stayed may move by a factor from there on, or not at all where nothing
+/// shows it: what is foretold of other captures would hang on where a refit happened to leave it.
+/// `jacobian` of the fit; none, where that failed: then whoever ran away is held. Names of those
+/// that ran.
 std::vector<std::string> hold_undetermined(const model::Model& start,
                                            const estimation::RowMatrix* jacobian,
                                            model::Model& held) {
   constexpr double kDetermined = 10.0, kUnseen = 3.0;  // standard deviations of all readings
   constexpr double kAway = 30.0, kStiffest = 100.0;    // factors on what is usual
+  constexpr double kNothing = 0.3, kStays = 10.0;      // of a deviation; factor on where it is
   const auto names = estimation::parameter_names(held);
   const auto before = estimation::parameters_of(start);
   const auto after = estimation::parameters_of(held);
@@ -164,8 +167,14 @@ std::vector<std::string> hold_undetermined(const model::Model& start,
     if (!is_stiffness(*before[i], *after[i])) continue;
     const double usual = before[i]->value * factor;
     const bool ran = after[i]->value > kAway * usual || after[i]->value < usual / kAway;
-    if (!ran) continue;
     if (jacobian != nullptr && shown(i, usual) > kUnseen) continue;
+    if (!ran) {
+      if (jacobian == nullptr || shown(i, after[i]->value) > kUnseen) continue;
+      after[i]->fixed = shown(i, after[i]->value) < kNothing;
+      after[i]->lower = std::max(after[i]->lower.value_or(0.0), after[i]->value / kStays);
+      after[i]->upper = kStays * after[i]->value;
+      continue;
+    }
     if (after[i]->value > usual) {
       after[i]->value = kStiffest * usual;
       after[i]->upper = after[i]->value;
@@ -185,7 +194,10 @@ Expected<FieldFit> first_fit(const model::Model& start, const model::Model& mode
   model::Model held = fit ? fit->at.model : model;
   const std::vector<std::string> away =
       hold_undetermined(start, fit ? &fit->at.fit.jacobian : nullptr, held);
-  if (away.empty()) return fit;
+  if (away.empty()) {
+    if (fit) fit->at.model = std::move(held);
+    return fit;
+  }
   auto again = fit_field(held, d.data, {}, options);
   if (!again) return fit;
   if (fit) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stdexcept>
 
 #include "server/diagnosis/screening/normal.h"
@@ -52,6 +53,26 @@ TEST(FieldNoise, IsWhatReadingsShowInPlaceOfAnyGuess) {
     EXPECT_TRUE(kind.is_guessed);
     EXPECT_EQ(kind.source, estimation::NoiseSource::scatter);
   }
+}
+
+TEST(FieldNoise, WhatOnlyScattersIsNoiseWithinReason) {
+  const testing::SheetTruth truth{.model = testing::compliant_cloth(), .protocols = {"stretch_u"}};
+  const FieldData data = data_of(sheets_of(truth, testing::compliant_cloth()));
+  const auto at = predict_field(truth.model, data, {}, {});
+  ASSERT_TRUE(at);
+  const auto is_noise = [&](double times, double bump) {
+    Normal normal(3);
+    Eigen::VectorXd residuals(static_cast<Eigen::Index>(at->rows.size()));
+    for (std::size_t r = 0; r < at->rows.size(); ++r)
+      residuals[static_cast<Eigen::Index>(r)] =
+          times * normal() + bump * std::sin(0.4 * at->rows[r].frame);
+    FieldNoise noise = estimate_field_noise(data, at->rows, residuals);
+    for (FieldNoise::Kind& kind : noise.kinds) kind.factor = 1.0;  // it was not taken
+    return is_scatter(structure_of(data.sequences, at->rows, residuals).front(), noise);
+  };
+  EXPECT_TRUE(is_noise(1.6, 0.0));
+  EXPECT_FALSE(is_noise(3.0, 0.0));
+  EXPECT_FALSE(is_noise(1.0, 1.5));
 }
 
 }  // namespace

@@ -75,6 +75,73 @@ TEST(SheetTwins, CamerasThatMovedAreFound) {
   EXPECT_EQ(first(d).kind, VerdictKind::sensor) << in_lines(d);
 }
 
+/// The picture's origin lies beside the sheet, and its scale is off by four thousandths.
+TEST(SheetTwins, AScaleAboutAPlaceOfItsOwnIsAScale) {
+  const SheetTruth truth{.model = compliant_cloth(), .frames = 12};
+  SheetRequest request = sheets_of(truth, compliant_cloth());
+  const Eigen::Vector3d origin(-0.3, 0.2, 0.0);
+  for (SheetSequence& s : request.sequences)
+    for (auto& frame : s.sequence.frames)
+      frame.points_m = (1.004 * (frame.points_m.colwise() - origin)).colwise() + origin;
+  const SheetDiagnosis d = diagnosed(request);
+  expect_found(d, "camera_scale");
+  EXPECT_EQ(first(d).kind, VerdictKind::sensor) << in_lines(d);
+}
+
+/// A lens that shows what is far from the middle of the picture too far out: the catalogue has
+/// none.
+TEST(SheetTwins, WhatALensBendsGetsNoName) {
+  const SheetTruth truth{.model = compliant_cloth(), .frames = 12};
+  SheetRequest request = sheets_of(truth, compliant_cloth());
+  for (SheetSequence& s : request.sequences)
+    for (auto& frame : s.sequence.frames)
+      for (Eigen::Index p = 0; p < frame.points_m.cols(); ++p) {
+        const Eigen::Vector3d from_middle = frame.points_m.col(p) - Eigen::Vector3d(0.05, 0.05, 0);
+        frame.points_m.col(p) += 2.0 * from_middle.squaredNorm() * from_middle;
+      }
+  const SheetDiagnosis d = diagnosed(request);
+  EXPECT_EQ(std::count_if(d.verdicts.begin(), d.verdicts.end(), is_name), 0) << in_lines(d);
+  EXPECT_EQ(first(d).kind, VerdictKind::unexplained) << in_lines(d);
+}
+
+/// One reading of a hundred is another point's.
+TEST(SheetTwins, PointsThatAreMisreadAreFoundAndLeftOut) {
+  const SheetTruth truth{.model = compliant_cloth(), .frames = 12};
+  SheetRequest request = sheets_of(truth, compliant_cloth());
+  std::mt19937 engine(8);
+  std::size_t count = 0;
+  for (SheetSequence& s : request.sequences)
+    for (auto& frame : s.sequence.frames)
+      for (Eigen::Index p = 0; p < frame.points_m.cols(); ++p)
+        if (engine() % 100 == 0) {
+          frame.points_m.col(p) += Eigen::Vector3d(2e-3, -2e-3, 1e-3);
+          ++count;
+        }
+  const SheetDiagnosis d = diagnosed(request);
+  expect_found(d, "outliers");
+  EXPECT_EQ(first(d).kind, VerdictKind::sensor) << in_lines(d);
+  EXPECT_GE(d.misread.size(), count - 2);  // of two side by side neither stands alone
+  EXPECT_LE(d.misread.size(), count);
+}
+
+/// Pulls along both threads say nothing of shear, and next to nothing of bending.
+TEST(SheetTwins, WhatCapturesDoNotDetermineDoesNotRunAway) {
+  const SheetTruth truth{
+      .model = compliant_cloth(), .protocols = {"stretch_u", "stretch_v"}, .frames = 12};
+  const SheetDiagnosis d = diagnosed(sheets_of(truth, compliant_cloth()));
+  EXPECT_EQ(std::count_if(d.verdicts.begin(), d.verdicts.end(), is_name), 0) << in_lines(d);
+  double stiffest = 0.0, softest = 1e300, bending = 1e300;
+  for (const model::Term& term : d.extended.at.model.terms) {
+    const model::Parameter& p = term.law.parameters.front();
+    if (p.unit == "N m") bending = std::min(bending, p.value);
+    if (p.unit != "N/m") continue;
+    stiffest = std::max(stiffest, p.value);
+    softest = std::min(softest, p.value);
+  }
+  EXPECT_LT(stiffest, 3e4 * softest) << in_lines(d);
+  EXPECT_GT(bending, 0.0) << in_lines(d);
+}
+
 /// What hides a point draws its neighbours towards the camera by a third of a millimetre.
 TEST(SheetTwins, PointsDrawnToWhatHidesTheirNeighboursAreFound) {
   const SheetTruth truth{.model = compliant_cloth(), .frames = 12};

@@ -191,17 +191,18 @@ FieldNoise estimate_field_noise(const FieldData& data, const std::vector<Row>& r
 }
 
 bool is_scatter(const Structure& left, const FieldNoise& noise) {
-  constexpr double kSurely = 2.58;  // standard deviations of what white noise has
-  constexpr double kShown = 0.7;    // of what is left, by scatter
-  constexpr double kMost = 2.2;     // times what is stated
+  constexpr double kWhite = 2.58;     // standard deviations of what white noise has
+  constexpr double kByScatter = 0.7;  // of what is left
+  constexpr double kLargest = 2.2;    // times what is stated
   const double rows = std::max(1, left.rows);
-  const double most = kSurely / std::sqrt(rows);
+  const double most = kWhite / std::sqrt(rows);
   if (std::abs(left.in_time) > most || std::max(left.neighbours, left.fixed) > most) return false;
   const double times = std::sqrt(left.chi2 / rows);
   return std::ranges::any_of(noise.kinds, [&](const FieldNoise::Kind& kind) {
     const double taken = kind.stated * kind.factor;
     return kind.sequence == left.sequence && kind.kind == left.kind &&
-           kind.shown > kShown * times * taken && (kind.is_guessed || times * kind.factor < kMost);
+           kind.shown > kByScatter * times * taken &&
+           (kind.is_guessed || times * kind.factor < kLargest);
   });
 }
 

@@ -111,7 +111,9 @@ Found look_at(const Sequence& sequence, int index, const ResidualTable& table) {
 std::vector<Misread> find_misread(const std::vector<Sequence>& sequences,
                                   const std::vector<Row>& rows, const Eigen::VectorXd& residuals) {
   std::vector<Misread> all;
+  constexpr double kMostOfAll = 0.05;
   std::size_t a_little = 0;
+  double readings = 0.0;
   for (std::size_t s = 0; s < sequences.size(); ++s) {
     const int index = static_cast<int>(s);
     if (sequences[s].points.empty()) continue;
@@ -119,9 +121,10 @@ std::vector<Misread> find_misread(const std::vector<Sequence>& sequences,
     Found found = look_at(sequences[s], index,
                           residual_table(sequences[s], index, coordinates, rows, residuals));
     a_little += found.a_little;
+    readings += static_cast<double>(sequences[s].points.size() * sequences[s].frames.size());
     all.insert(all.end(), found.far.begin(), found.far.end());
   }
-  if (a_little > all.size()) all.clear();
+  if (a_little > all.size() || static_cast<double>(all.size()) > kMostOfAll * readings) all.clear();
   return all;
 }
 

@@ -7,8 +7,10 @@
 // not.
 //
 // Noise with long tails has more readings a little way out than far out, and misreadings have not:
-// where that is so nothing is misread. Beside a point that is hidden only what is across the
-// cameras' axis counts: what hides it draws them along that, and that is occlusion_bias.
+// where that is so nothing is misread. Nor where more than a twentieth of all readings would be:
+// such points scatter otherwise than their neighbours, frame after frame. Beside a point that is
+// hidden only what is across the cameras' axis counts: what hides it draws them along that, and
+// that is occlusion_bias.
 //
 //   const std::vector<Misread> misread = find_misread(sequences, rows, residuals);
 //   set_aside(misread, sequences);                                           // and fit again

@@ -86,6 +86,16 @@ TEST(Misread, IsNothingWhereNoiseHasLongTails) {
   EXPECT_TRUE(sheet.found().empty());
 }
 
+TEST(Misread, IsNothingWhereManyPointsScatterOtherwise) {
+  Sheet sheet;
+  sheet.add_noise(1.0, 13);
+  Normal normal(9);
+  for (std::size_t r = 0; r < sheet.rows.size(); ++r)
+    if (sheet.is_point(sheet.rows[r]) && sheet.rows[r].channel / 3 % 7 == 0)
+      sheet.residuals[static_cast<Eigen::Index>(r)] += 60.0 * normal();
+  EXPECT_TRUE(sheet.found().empty());
+}
+
 TEST(Misread, IsNothingWhereTheModelMisses) {
   Sheet sheet;
   sheet.add_noise(1.0, 7);

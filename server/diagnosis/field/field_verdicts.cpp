@@ -8,6 +8,7 @@
 #include <set>
 
 #include "server/diagnosis/field/field_gain.h"
+#include "server/diagnosis/field/next/clip_bench.h"
 #include "server/diagnosis/field/prepare_sheet.h"
 #include "server/diagnosis/field/screen/field_screen.h"
 #include "server/diagnosis/trials/model_edit.h"
@@ -35,26 +36,53 @@ double telling_rows(const SheetDiagnosis& d, const std::vector<const FieldFindin
   return gain > 0.0 ? std::min(std::exp(sum / gain), d.extended.at.fit.effective_rows) : 0.0;
 }
 
-/// Rivals that do as well in the extended model as the effect does.
-std::vector<std::string> equals_of(const SheetDiagnosis& d, const std::string& effect,
-                                   const std::vector<Trial>& rivals, double telling,
-                                   const Control& control) {
-  std::vector<std::string> equals;
+/// The extended model with an effect's rival in its place.
+struct Swapped {
+  std::string id;
+  FieldFit fitted;
+  bool is_equal = false;  ///< it does as well as the effect does
+};
+
+std::vector<Swapped> swapped_rivals(const SheetDiagnosis& d, const std::string& effect,
+                                    const std::vector<Trial>& rivals, double telling,
+                                    const Control& control) {
+  std::vector<Swapped> all;
   std::set<std::string> tried;
   for (const Trial& rival : rivals) {
-    if (tried.contains(rival.effect->id) || rival.effect->id == effect) continue;
-    if (says_nothing_against(rival.effect->id, effect)) continue;
-    if (holds(d.extended.at.model, rival.effect->id)) continue;
-    auto swapped =
+    const std::string& id = rival.effect->id;
+    if (tried.contains(id) || id == effect) continue;
+    if (says_nothing_against(id, effect)) continue;
+    if (holds(d.extended.at.model, id)) continue;
+    auto fitted =
         fit_field(with_rival(without(d.extended.at.model, effect, d.baseline.at.model), rival),
                   d.data, d.extended.states, field_options(control));
-    if (!swapped) continue;
-    tried.insert(rival.effect->id);
-    const double rows = is_case_of(effect, rival.effect->id) ? 0.0 : telling;
-    if (evidence_against(swapped->at, d.extended.at, rows) < kDecisive)
-      equals.push_back(rival.effect->id);
+    if (!fitted) continue;
+    tried.insert(id);
+    const double rows = is_case_of(effect, id) ? 0.0 : telling;
+    const bool is_equal = evidence_against(fitted->at, d.extended.at, rows) < kDecisive;
+    all.push_back({id, std::move(*fitted), is_equal});
   }
-  return equals;
+  return all;
+}
+
+/// What to capture next: where clips may lead a sheet so that it splits the effect from those of
+/// its alternatives that were fitted; else the protocol of the effect's row.
+void propose_next(const SheetDiagnosis& d, const Effect& effect,
+                  const std::vector<Swapped>& swapped, const RigLimits& rig, const Control& control,
+                  Verdict& verdict) {
+  verdict.next_protocol = effect.split_by;
+  const std::vector<std::string> split = to_be_split(effect.id, verdict.alternatives);
+  std::vector<const FieldFit*> rivals = {&d.extended};
+  std::vector<const Reference*> causes = {&d.extended.at};
+  for (const Swapped& other : swapped) {
+    if (std::ranges::find(split, other.id) == split.end()) continue;
+    rivals.push_back(&other.fitted);
+    causes.push_back(&other.fitted.at);
+  }
+  if (causes.size() < 2 || control.stop.stop_requested()) return;
+  verdict.design = design_next(causes, clip_bench(rivals, d.data, rig, control.threads), rig,
+                               question_of(effect.id, verdict.alternatives));
+  if (verdict.design) describe(*verdict.design, *verdict.next_protocol);
 }
 
 /// Correlation in space and time of what an effect explains, in numbers.
@@ -70,7 +98,7 @@ void add_structure(const SheetDiagnosis& d, Verdict& verdict) {
 }
 
 Verdict verdict_for(const SheetDiagnosis& d, const std::string& id,
-                    const std::vector<const FieldFinding*>& findings, unsigned long long seed,
+                    const std::vector<const FieldFinding*>& findings, const Options& options,
                     const Control& control) {
   const Effect& effect = *find_effect(id);
   Verdict verdict;
@@ -80,7 +108,10 @@ Verdict verdict_for(const SheetDiagnosis& d, const std::string& id,
     trials.push_back(&f->trial);
     rivals.insert(rivals.end(), f->rivals.begin(), f->rivals.end());
   }
-  verdict.alternatives = equals_of(d, id, rivals, telling_rows(d, findings), control);
+  const std::vector<Swapped> swapped =
+      swapped_rivals(d, id, rivals, telling_rows(d, findings), control);
+  for (const Swapped& other : swapped)
+    if (other.is_equal) verdict.alternatives.push_back(other.id);
   std::vector<std::pair<std::string, double>> alike;
   for (const FieldFinding* f : findings)
     for (const LookAlike& other : f->look_alikes) {
@@ -93,10 +124,11 @@ Verdict verdict_for(const SheetDiagnosis& d, const std::string& id,
   auto reduced = fit_field(without(d.extended.at.model, id, d.baseline.at.model), d.data,
                            d.extended.states, field_options(control));
   const SizeInterval size =
-      sheet_effect_size(d.data, reduced ? *reduced : d.baseline, d.extended, seed);
+      sheet_effect_size(d.data, reduced ? *reduced : d.baseline, d.extended, options.seed);
   put_in_words(effect, trials, size, size.of_force ? "force" : "motion of the points",
                "these captures", d.data.block_count(), verdict);
-  if (!verdict.alternatives.empty()) verdict.next_protocol = effect.split_by;
+  if (!verdict.alternatives.empty())
+    propose_next(d, effect, swapped, options.rig, control, verdict);
   verdict.evidence.emplace_back("independent_rows", d.extended.at.fit.effective_rows);
   verdict.evidence.insert(verdict.evidence.end(), alike.begin(), alike.end());
   add_structure(d, verdict);
@@ -269,7 +301,7 @@ void pass_sheet_verdicts(SheetDiagnosis& d, const SheetRequest& request, const C
     list.push_back(&f);
   }
   for (const std::string& id : order)
-    d.verdicts.push_back(verdict_for(d, id, by_effect[id], request.options.seed, control));
+    d.verdicts.push_back(verdict_for(d, id, by_effect[id], request.options, control));
   std::stable_sort(d.verdicts.begin(), d.verdicts.end(),
                    [](const Verdict& a, const Verdict& b) { return a.size > b.size; });
   add_misread(d);

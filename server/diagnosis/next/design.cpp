@@ -2,12 +2,10 @@
 #include "server/diagnosis/next/design.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <set>
-#include <tuple>
-
-#include "server/diagnosis/next/separation.h"
+#include <cstdio>
+#include <string>
+#include <utility>
 
 namespace tenter::diagnosis {
 namespace {
@@ -15,71 +13,6 @@ namespace {
 constexpr double kTelling = 0.5;  // sigmas, rms over the readings: less tells nothing apart
 constexpr double kUsualRate_per_s = 0.01;
 constexpr double kHold_s = 300.0;
-constexpr double kWider = 1.5;
-
-/// A capture and the component in which it was pulled farthest.
-struct Mounting {
-  int curve = 0;
-  int component = 0;
-  double reach = 0.0;
-};
-
-Mounting mounting_of(const estimation::Curves& curves, int number) {
-  Mounting mounting;
-  mounting.curve = number;
-  for (int i = 0; i < 3; ++i) {
-    if (curves.path.is_free[static_cast<std::size_t>(i)]) continue;
-    for (const auto& q : curves.path.q) {
-      const double strain = std::abs(q[i] - (i == 2 ? 0.0 : 1.0));
-      if (strain <= mounting.reach) continue;
-      mounting.reach = strain;
-      mounting.component = i;
-    }
-  }
-  return mounting;
-}
-
-/// One for each way in which specimens were held and pulled: the farthest.
-std::vector<Mounting> mountings(const estimation::DataSet& data) {
-  std::vector<Mounting> all;
-  for (std::size_t i = 0; i < data.curves.size(); ++i) {
-    const Mounting one = mounting_of(data.curves[i], static_cast<int>(i));
-    if (one.reach > 0.0) all.push_back(one);
-  }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Mounting& a, const Mounting& b) { return a.reach > b.reach; });
-  std::set<std::tuple<double, std::array<bool, 3>, int>> taken;
-  std::erase_if(all, [&](const Mounting& one) {
-    const auto& path = data.curves[static_cast<std::size_t>(one.curve)].path;
-    return !taken.insert({path.axis_angle_rad, path.is_free, one.component}).second;
-  });
-  return all;
-}
-
-double fastest_of(const estimation::DataSet& data) {
-  double fastest = 0.0;
-  for (const estimation::Curves& curves : data.curves) {
-    if (curves.time_base == estimation::TimeBase::none) continue;
-    for (const estimation::Block& block : curves.blocks) {
-      const auto first = static_cast<std::size_t>(block.first);
-      const auto last = static_cast<std::size_t>(block.last - 1);
-      const double seconds = curves.clock_s[last] - curves.clock_s[first];
-      if (seconds > 0.0 && last > first)
-        fastest = std::max(
-            fastest, (curves.path.q[last] - curves.path.q[first]).cwiseAbs().maxCoeff() / seconds);
-    }
-  }
-  return fastest > 0.0 ? fastest : kUsualRate_per_s;
-}
-
-double largest_force(const estimation::DataSet& data) {
-  double largest = 0.0;
-  for (const estimation::Curves& curves : data.curves)
-    for (const auto& channel : curves.channels)
-      for (const double value : channel.measured)
-        if (channel.is_stress && std::isfinite(value)) largest = std::max(largest, std::abs(value));
-  return largest;
-}
 
 using Steps = std::vector<ExperimentStep>;
 
@@ -132,19 +65,17 @@ std::vector<Experiment> family(int component, double reach, double widest, doubl
   return all;
 }
 
-/// Of the pair that is closest.
-std::optional<Separation> least_separation(const Experiment& plan,
+/// What every rival says of a plan; nothing where one of them cannot do it.
+std::optional<Separation> least_separation(const Experiment& plan, const Mounting& mounting,
                                            const std::vector<const Reference*>& rivals,
-                                           const estimation::DataSet& data, int like) {
-  std::optional<Separation> least;
-  for (std::size_t i = 0; i < rivals.size(); ++i) {
-    for (std::size_t j = i + 1; j < rivals.size(); ++j) {
-      const auto apart = separation(plan, *rivals[i], *rivals[j], data, like);
-      if (!apart) return std::nullopt;
-      if (!least || apart->chi2 < least->chi2) least = apart;
-    }
+                                           const Bench& bench) {
+  std::vector<Foretold> foretold;
+  for (std::size_t k = 0; k < rivals.size(); ++k) {
+    auto one = bench.foretell(plan, mounting, k);
+    if (!one) return std::nullopt;
+    foretold.push_back(std::move(*one));
   }
-  return least;
+  return separation(foretold, rivals);
 }
 
 double evidence(const Experiment& plan, const Separation& apart) {
@@ -153,33 +84,49 @@ double evidence(const Experiment& plan, const Separation& apart) {
 
 }  // namespace
 
-std::optional<Design> design_next(const std::vector<const Reference*>& rivals,
-                                  const estimation::DataSet& data, const RigLimits& limits,
-                                  Question question) {
-  const double fast = limits.fastest_per_s > 0.0 ? limits.fastest_per_s : fastest_of(data);
-  const double strongest =
-      limits.largest_N_m > 0.0 ? limits.largest_N_m : kWider * largest_force(data);
+std::optional<Design> design_next(const std::vector<const Reference*>& rivals, const Bench& bench,
+                                  const RigLimits& limits, Question question) {
+  const double known = bench.fastest_per_s > 0.0 ? bench.fastest_per_s : kUsualRate_per_s;
+  const double fast = limits.fastest_per_s > 0.0 ? limits.fastest_per_s : known;
   std::optional<Design> best;
   int considered = 0;
-  for (const Mounting& mounting : mountings(data)) {
+  for (const Mounting& mounting : bench.mountings) {
     const double travel =
-        limits.largest_strain > 0.0 ? limits.largest_strain : kWider * mounting.reach;
+        limits.largest_strain > 0.0 ? limits.largest_strain : kWiderThanCaptured * mounting.reach;
     const double reach = std::min(mounting.reach, travel);
     for (Experiment& plan : family(mounting.component, reach, travel, fast)) {
       if (plan.duration_s() > limits.longest_s || plan.largest_strain() > travel * (1.0 + 1e-9))
         continue;
       if (question == Question::of_rate && !plan.splits_rate()) continue;
-      const auto apart = least_separation(plan, rivals, data, mounting.curve);
-      if (!apart || apart->largest_N_m > strongest) continue;
+      const auto apart = least_separation(plan, mounting, rivals, bench);
+      if (!apart || apart->largest_force > bench.strongest) continue;
       ++considered;
       if (apart->of_noise() < kTelling) continue;
       if (best && evidence(plan, *apart) <= evidence(best->plan, best->separation)) continue;
-      best = Design{std::move(plan), data.curves[static_cast<std::size_t>(mounting.curve)].title,
-                    *apart, 0};
+      best = Design{std::move(plan), mounting.mounted_as, *apart, 0};
     }
   }
   if (best) best->considered = considered;
   return best;
+}
+
+void describe(const Design& design, NextProtocol& protocol) {
+  char apart[32];
+  std::snprintf(apart, sizeof apart, "%.2g", design.separation.of_noise());
+  protocol.name = design.plan.name;
+  protocol.words = "A new specimen, mounted as in \"" + design.mounted_as + "\", " +
+                   (design.plan.component == kWayOfClips
+                        ? "its clips led along the way that they took there, as listed (0 % is "
+                          "where they began)"
+                        : "pulled as listed") +
+                   ": of " + std::to_string(design.considered) +
+                   " pulls within the rig's limits the one that splits them best. What the causes "
+                   "foretell differs by " +
+                   apart + " times the noise there, after the wrong one has given way.";
+  protocol.phases.clear();
+  const std::vector<std::string> words = words_of(design.plan);
+  for (std::size_t i = 0; i < words.size(); ++i)
+    protocol.phases.push_back({design.plan.steps[i].is_hold ? "hold" : "ramp", words[i]});
 }
 
 }  // namespace tenter::diagnosis

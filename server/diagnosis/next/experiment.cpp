@@ -137,6 +137,10 @@ estimation::Curves curves_of(const Experiment& plan, const estimation::Curves& l
   return curves;
 }
 
+const char* name_of_component(const Experiment& plan) {
+  return plan.component == kWayOfClips ? "clips" : estimation::component_name(plan.component);
+}
+
 std::vector<std::string> words_of(const Experiment& plan) {
   std::vector<std::string> words;
   double at = 0.0;
@@ -145,9 +149,8 @@ std::vector<std::string> words_of(const Experiment& plan) {
       words.push_back("hold at " + percent(at) + formatted(" for %.3g s", step.seconds));
       continue;
     }
-    words.push_back(std::string(estimation::component_name(plan.component)) + " from " +
-                    percent(at) + " to " + percent(step.strain) + " at " +
-                    percent(step.rate_per_s) + " a second");
+    words.push_back(std::string(name_of_component(plan)) + " from " + percent(at) + " to " +
+                    percent(step.strain) + " at " + percent(step.rate_per_s) + " a second");
     at = step.strain;
   }
   return words;

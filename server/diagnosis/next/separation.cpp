@@ -4,51 +4,29 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 namespace tenter::diagnosis {
 namespace {
 
-using estimation::RowMatrix;
-
-struct Foretold {
-  Eigen::VectorXd whitened;  ///< predictions in sigmas, a row a reading
-  RowMatrix jacobian;        ///< by the free parameters
-  double largest_N_m = 0.0;
-};
-
-std::vector<Eigen::Index> free_columns(const Reference& at) {
-  std::vector<Eigen::Index> free;
-  for (std::size_t i = 0; i < at.fit.states.size(); ++i)
-    if (at.fit.states[i] == estimation::ParameterState::free ||
-        at.fit.states[i] == estimation::ParameterState::flat)
-      free.push_back(static_cast<Eigen::Index>(i));
-  return free;
-}
-
-std::optional<Foretold> foretell(const Reference& at,
-                                 const std::shared_ptr<const estimation::DataSet>& next) {
-  auto evaluator = estimation::Evaluator::make(at.model, next);
-  if (!evaluator) return std::nullopt;
-  Foretold result;
-  RowMatrix jacobian;
-  if (evaluator->evaluate(estimation::parameter_values(at.model), result.whitened, &jacobian) !=
-      mechanics::PathStatus::ok)
-    return std::nullopt;
-  result.jacobian = jacobian(Eigen::all, free_columns(at));
-  const auto& rows = evaluator->rows();
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    const auto& channel = next->curves.front().channels[static_cast<std::size_t>(rows[r].channel)];
-    if (channel.is_stress)
-      result.largest_N_m =
-          std::max(result.largest_N_m, std::abs(result.whitened[static_cast<Eigen::Index>(r)]) *
-                                           evaluator->sigma(static_cast<int>(r)));
+/// Rows of the kind that shows most of what is apart.
+int telling_rows(const Eigen::VectorXd& apart, const std::vector<int>& kind) {
+  if (kind.empty()) return static_cast<int>(apart.size());
+  std::map<int, std::pair<double, int>> shown;  // chi2, rows
+  for (Eigen::Index r = 0; r < apart.size(); ++r) {
+    auto& [chi2, rows] = shown[kind[static_cast<std::size_t>(r)]];
+    chi2 += apart[r] * apart[r];
+    ++rows;
   }
-  return result;
+  return std::ranges::max_element(shown, {}, [](const auto& one) { return one.second.first; })
+      ->second.second;
 }
 
 /// S with the parameters of `moved` giving way.
-double left_over(const Eigen::VectorXd& apart, const Foretold& moved, const Reference& known) {
-  const RowMatrix old = known.fit.jacobian(Eigen::all, free_columns(known));
+Separation left_over(const Eigen::VectorXd& apart, const Foretold& moved, const Reference& known) {
+  const auto columns = moving_columns(known);
+  const estimation::RowMatrix old = known.fit.jacobian(Eigen::all, columns);
   Eigen::MatrixXd information = old.transpose() * old;
   // what the captures say nothing of may move as it likes, within numbers
   Eigen::VectorXd scale = information.diagonal();
@@ -58,31 +36,38 @@ double left_over(const Eigen::VectorXd& apart, const Foretold& moved, const Refe
   information.diagonal() += tiny * scale + Eigen::VectorXd::Constant(scale.size(), 1e-300);
   const Eigen::MatrixXd whole = information + moved.jacobian.transpose() * moved.jacobian;
   const Eigen::VectorXd pull = moved.jacobian.transpose() * apart;
-  return std::max(0.0, apart.squaredNorm() - pull.dot(whole.ldlt().solve(pull)));
+  const Eigen::VectorXd way = whole.ldlt().solve(pull);
+  Separation result;
+  result.chi2 = std::max(0.0, apart.squaredNorm() - pull.dot(way));
+  result.rows = static_cast<int>(apart.size());
+  result.telling_rows = telling_rows(apart - moved.jacobian * way, moved.kind);
+  return result;
 }
 
 }  // namespace
 
-std::optional<Separation> separation(const Experiment& plan, const Reference& one,
-                                     const Reference& other, const estimation::DataSet& data,
-                                     int like) {
-  const auto which = static_cast<std::size_t>(like);
-  auto next = std::make_shared<estimation::DataSet>();
-  next->curves.push_back(curves_of(plan, data.curves[which]));
-  next->sigma.push_back(data.sigma[which]);
-  auto& left_out = next->left_out.emplace_back();
-  for (const auto& channel : next->curves.front().channels)
-    left_out.emplace_back(channel.measured.size(), false);
-  const auto first = foretell(one, next);
-  const auto second = foretell(other, next);
-  if (!first || !second) return std::nullopt;
-  const Eigen::VectorXd apart = first->whitened - second->whitened;
-  Separation result;
-  result.rows = static_cast<int>(apart.size());
-  result.largest_N_m = std::max(first->largest_N_m, second->largest_N_m);
-  result.chi2 = std::min(left_over(apart, *first, one), left_over(apart, *second, other));
-  if (!std::isfinite(result.chi2)) return std::nullopt;
-  return result;
+std::vector<Eigen::Index> moving_columns(const Reference& at) {
+  std::vector<Eigen::Index> moving;
+  for (std::size_t i = 0; i < at.fit.states.size(); ++i)
+    if (at.fit.states[i] == estimation::ParameterState::free ||
+        at.fit.states[i] == estimation::ParameterState::flat)
+      moving.push_back(static_cast<Eigen::Index>(i));
+  return moving;
+}
+
+std::optional<Separation> separation(const std::vector<Foretold>& foretold,
+                                     const std::vector<const Reference*>& rivals) {
+  std::optional<Separation> least;
+  for (std::size_t k = 1; k < foretold.size(); ++k) {
+    const Eigen::VectorXd apart = foretold[0].whitened - foretold[k].whitened;
+    const Separation first = left_over(apart, foretold[0], *rivals[0]);
+    const Separation other = left_over(apart, foretold[k], *rivals[k]);
+    Separation pair = first.chi2 < other.chi2 ? first : other;
+    pair.largest_force = std::max(foretold[0].largest_force, foretold[k].largest_force);
+    if (!std::isfinite(pair.chi2)) return std::nullopt;
+    if (!least || pair.chi2 < least->chi2) least = pair;
+  }
+  return least;
 }
 
 }  // namespace tenter::diagnosis

@@ -11,17 +11,28 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "server/diagnosis/next/proposal.h"
 #include "server/diagnosis/trials/trial.h"
 
 namespace tenter::diagnosis {
 
-/// Nothing where a model cannot do the experiment. Mounted and measured as curves number `like` of
-/// `data`. Corrections that belong to one capture say nothing of a new one. Pure; a few
-/// evaluations.
-std::optional<Separation> separation(const Experiment& plan, const Reference& one,
-                                     const Reference& other, const estimation::DataSet& data,
-                                     int like);
+/// What a fitted model says of an experiment.
+struct Foretold {
+  Eigen::VectorXd whitened;        ///< predictions in sigmas, but for what all models share
+  estimation::RowMatrix jacobian;  ///< by the parameters that moving_columns() names
+  double largest_force = 0.0;      ///< as in Separation
+  /// Of each row; none: all are of one. Thousands of positions say nothing of what forces show.
+  std::vector<int> kind = {};
+};
+
+/// Parameters that may give way, as a fit counts them.
+std::vector<Eigen::Index> moving_columns(const Reference& at);
+
+/// Of the first from the one that is closest to it, of as many models as were fitted to the same
+/// captures. Nothing where that is no number. Pure.
+std::optional<Separation> separation(const std::vector<Foretold>& foretold,
+                                     const std::vector<const Reference*>& rivals);
 
 }  // namespace tenter::diagnosis

@@ -25,6 +25,12 @@ std::string list_words(const std::vector<std::string>& ids) {
   return words;
 }
 
+/// Friction and viscosity.
+bool is_rate_question(const std::string& effect) {
+  return effect == "internal_friction" || effect == "strain_dependent_friction" ||
+         effect == "viscosity";
+}
+
 }  // namespace
 
 double evidence_against(const Reference& other, const Reference& chosen, double telling_rows) {
@@ -45,9 +51,20 @@ bool is_case_of(const std::string& effect, const std::string& rival) {
   return effect == "anisotropy" && rival == "nonlinear_stiffness";
 }
 
-bool is_rate_question(const std::string& effect) {
-  return effect == "internal_friction" || effect == "strain_dependent_friction" ||
-         effect == "viscosity";
+Question question_of(const std::string& effect, const std::vector<std::string>& alternatives) {
+  return is_rate_question(effect) && std::ranges::any_of(alternatives, is_rate_question)
+             ? Question::of_rate
+             : Question::any;
+}
+
+std::vector<std::string> to_be_split(const std::string& effect,
+                                     const std::vector<std::string>& alternatives) {
+  if (question_of(effect, alternatives) == Question::any) return alternatives;
+  std::vector<std::string> others;
+  for (const std::string& other : alternatives)
+    if (!is_rate_question(other) || (other == "viscosity") != (effect == "viscosity"))
+      others.push_back(other);
+  return others.empty() ? alternatives : others;
 }
 
 void add_untold(const Effect& effect, const Excitation& excitation,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/diagnosis/findings.h"
+#include "server/diagnosis/next/design.h"
 #include "server/diagnosis/trials/trial.h"
 #include "server/diagnosis/verdicts/effect_size.h"
 
@@ -28,8 +29,13 @@ bool says_nothing_against(const std::string& rival, const std::string& effect);
 /// rival does as well whatever is true, and only what it costs tells.
 bool is_case_of(const std::string& effect, const std::string& rival);
 
-/// Friction and viscosity, which only rates and holds tell apart.
-bool is_rate_question(const std::string& effect);
+/// What a next capture has to answer: only rates and holds tell friction from viscosity.
+Question question_of(const std::string& effect, const std::vector<std::string>& alternatives);
+
+/// Of the alternatives of an effect those that a next capture is to split from it: of a question of
+/// rates the others of friction and viscosity, not two forms of one.
+std::vector<std::string> to_be_split(const std::string& effect,
+                                     const std::vector<std::string>& alternatives);
 
 /// Adds what physics, not statistics, leaves open: at one rate without a hold Maxwell equals Dahl;
 /// an effect of time is not known without times.

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "server/diagnosis/checks/lattice.h"
-#include "server/diagnosis/next/design.h"
+#include "server/diagnosis/next/curve_bench.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/trials/model_edit.h"
 #include "server/diagnosis/verdicts/effect_size.h"
@@ -49,29 +49,14 @@ void propose_next(const Diagnosis& d, const Effect& effect, const std::vector<Sw
                   const RigLimits& rig, Verdict& verdict) {
   verdict.next_protocol = effect.split_by;
   std::vector<const Reference*> causes = {&d.extended};
-  for (const std::string& id : verdict.alternatives)
+  const std::vector<std::string> split = to_be_split(effect.id, verdict.alternatives);
+  for (const std::string& id : split)
     for (const Swapped& other : swapped)
       if (other.id == id) causes.push_back(&other.fitted);
-  if (causes.size() <= verdict.alternatives.size()) return;
-  const bool of_rate =
-      is_rate_question(effect.id) &&
-      std::any_of(verdict.alternatives.begin(), verdict.alternatives.end(), is_rate_question);
-  verdict.design = design_next(causes, *d.data, rig, of_rate ? Question::of_rate : Question::any);
-  if (!verdict.design) return;
-  const Design& design = *verdict.design;
-  char apart[32];
-  std::snprintf(apart, sizeof apart, "%.2g", design.separation.of_noise());
-  verdict.next_protocol->name = design.plan.name;
-  verdict.next_protocol->words =
-      "A new specimen, mounted as in \"" + design.mounted_as + "\", pulled as listed: of " +
-      std::to_string(design.considered) +
-      " pulls within the rig's limits the one that splits them best. What the causes foretell "
-      "differs by " +
-      apart + " times the noise there, after the wrong one has given way.";
-  verdict.next_protocol->phases.clear();
-  for (std::size_t i = 0; i < design.plan.steps.size(); ++i)
-    verdict.next_protocol->phases.push_back(
-        {design.plan.steps[i].is_hold ? "hold" : "ramp", words_of(design.plan)[i]});
+  if (causes.size() <= split.size()) return;
+  verdict.design = design_next(causes, curve_bench(causes, *d.data, rig), rig,
+                               question_of(effect.id, verdict.alternatives));
+  if (verdict.design) describe(*verdict.design, *verdict.next_protocol);
 }
 
 Verdict verdict_for(const Diagnosis& d, const std::string& id,

@@ -16,19 +16,21 @@ namespace {
 
 /// The proposed pull for machines: strains, rates and seconds.
 json design_json(const diagnosis::Design& design) {
+  const bool of_clips = design.plan.component == diagnosis::kWayOfClips;
   json steps = json::array();
   for (const diagnosis::ExperimentStep& step : design.plan.steps)
     steps.push_back(step.is_hold ? json{{"kind", "hold"}, {"seconds", step.seconds}}
                                  : json{{"kind", "ramp"},
                                         {"strain", number(step.strain)},
                                         {"rate_per_s", number(step.rate_per_s)}});
-  return {{"mounted_as", design.mounted_as},
-          {"component", estimation::component_name(design.plan.component)},
-          {"steps", steps},
-          {"duration_s", number(design.plan.duration_s())},
-          {"largest_force_N_m", number(design.separation.largest_N_m)},
-          {"expected_separation", number(design.separation.of_noise())},
-          {"pulls_considered", design.considered}};
+  return {
+      {"mounted_as", design.mounted_as},
+      {"component", diagnosis::name_of_component(design.plan)},
+      {"steps", steps},
+      {"duration_s", number(design.plan.duration_s())},
+      {of_clips ? "largest_force_N" : "largest_force_N_m", number(design.separation.largest_force)},
+      {"expected_separation", number(design.separation.of_noise())},
+      {"pulls_considered", design.considered}};
 }
 
 json verdict_json(const diagnosis::Verdict& v) {

@@ -64,6 +64,7 @@ Expected<diagnosis::Options> read_options(const json& spec, bool of_sheets = fal
     if (!read) return tl::unexpected(read.error());
   for (Expected<void> read : {read_limit(given, "rig_strain", options.rig.largest_strain),
                               read_limit(given, "rig_N_m", options.rig.largest_N_m),
+                              read_limit(given, "rig_N", options.rig.largest_N),
                               read_limit(given, "rig_rate_per_s", options.rig.fastest_per_s),
                               read_limit(given, "rig_seconds", options.rig.longest_s)})
     if (!read) return tl::unexpected(read.error());

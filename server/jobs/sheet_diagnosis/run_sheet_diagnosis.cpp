@@ -84,8 +84,9 @@ diagnosis::SheetRequest request_of(const SheetFindings& found, const diagnosis::
 
 bool is_diagnosis_option(const std::string& key) {
   static const std::set<std::string> kOwn = {
-      "seed",       "null_twins", "max_effects",    "max_frames_per_block", "leave_out", "effects",
-      "rig_strain", "rig_N_m",    "rig_rate_per_s", "rig_seconds",          "continues"};
+      "seed",      "null_twins",     "max_effects", "max_frames_per_block",
+      "leave_out", "effects",        "rig_strain",  "rig_N_m",
+      "rig_N",     "rig_rate_per_s", "rig_seconds", "continues"};
   return kOwn.contains(key);
 }
 
@@ -94,10 +95,6 @@ Expected<void> run_sheet_diagnosis(const JobInput& input, const json& spec,
                                    std::vector<std::pair<std::string, capture::Capture>> captures,
                                    const std::function<void(const JobProgress&)>& report,
                                    const std::stop_token& stop) {
-  for (const char* limit : {"rig_strain", "rig_N_m", "rig_rate_per_s", "rig_seconds"})
-    if (spec.contains("options") && spec["options"].contains(limit))
-      return bad_input(std::string("options.") + limit +
-                       ": the next capture of a sheet is proposed in words, which know no limits");
   SheetFindings found;
   auto start = model::parse_model(spec.at("model").dump(), "model");
   if (!start) return tl::unexpected(start.error());

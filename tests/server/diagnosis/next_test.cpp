@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include "server/diagnosis/next/design.h"
-#include "server/diagnosis/next/separation.h"
+#include "server/diagnosis/next/curve_bench.h"
 #include "tests/server/diagnosis/prepared_twin.h"
 
 namespace tenter::diagnosis {
@@ -44,8 +43,21 @@ class OneRate : public ::testing::Test {
     return std::move(fitted).value_or(Reference());
   }
 
+  static std::optional<Separation> between(const Experiment& plan, const Reference& one,
+                                           const Reference& other) {
+    const auto first = foretell(plan, one, *data_, 0), second = foretell(plan, other, *data_, 0);
+    if (!first || !second) return std::nullopt;
+    return separation({*first, *second}, {&one, &other});
+  }
+  static std::optional<Design> design(const Reference& one, const Reference& other,
+                                      const RigLimits& limits = {},
+                                      Question question = Question::any) {
+    const std::vector<const Reference*> rivals = {&one, &other};
+    return design_next(rivals, curve_bench(rivals, *data_, limits), limits, question);
+  }
+
   static double apart(const Experiment& plan) {
-    const auto found = separation(plan, friction_, viscous_, *data_, 0);
+    const auto found = between(plan, friction_, viscous_);
     EXPECT_TRUE(found);
     return found ? found->of_noise() : 0.0;
   }
@@ -92,11 +104,11 @@ TEST_F(OneRate, FramesOfAPlanFollowItsStrainAndItsClock) {
 }
 
 TEST_F(OneRate, AModelIsNotApartFromItself) {
-  const auto none = separation(pull_x({ramp_to(0.06, 1e-3)}), friction_, friction_, *data_, 0);
+  const auto none = between(pull_x({ramp_to(0.06, 1e-3)}), friction_, friction_);
   ASSERT_TRUE(none);
-  EXPECT_GT(none->largest_N_m, 1.0);
+  EXPECT_GT(none->largest_force, 1.0);
   EXPECT_NEAR(none->chi2, 0.0, 1e-12);
-  EXPECT_FALSE(design_next({&friction_, &friction_}, *data_, {}));
+  EXPECT_FALSE(design(friction_, friction_));
 }
 
 // What the captures did says little; another rate and a hold say much.
@@ -109,7 +121,7 @@ TEST_F(OneRate, ARateAndAHoldSeparateFrictionFromViscosity) {
 }
 
 TEST_F(OneRate, ADesignKeepsTheLimitsOfTheRig) {
-  const auto free = design_next({&friction_, &viscous_}, *data_, {});
+  const auto free = design(friction_, viscous_);
   ASSERT_TRUE(free);
   EXPECT_GT(free->separation.of_noise(), 1.0);
   EXPECT_LE(free->plan.duration_s(), 3600.0);
@@ -118,27 +130,27 @@ TEST_F(OneRate, ADesignKeepsTheLimitsOfTheRig) {
   RigLimits tight;
   tight.largest_strain = 0.03;
   tight.longest_s = 120.0;
-  tight.largest_N_m = 0.7 * free->separation.largest_N_m;
-  const auto within = design_next({&friction_, &viscous_}, *data_, tight);
+  tight.largest_N_m = 0.7 * free->separation.largest_force;
+  const auto within = design(friction_, viscous_, tight);
   ASSERT_TRUE(within);
   EXPECT_LE(within->plan.duration_s(), 120.0);
   EXPECT_LE(within->plan.largest_strain(), 0.03 * (1.0 + 1e-9));
-  EXPECT_LE(within->separation.largest_N_m, tight.largest_N_m);
+  EXPECT_LE(within->separation.largest_force, tight.largest_N_m);
   EXPECT_LT(within->considered, free->considered);
 
-  const auto of_rate = design_next({&friction_, &viscous_}, *data_, {}, Question::of_rate);
+  const auto of_rate = design(friction_, viscous_, {}, Question::of_rate);
   ASSERT_TRUE(of_rate);
   EXPECT_TRUE(of_rate->plan.splits_rate());
 
   RigLimits none;
   none.longest_s = 1e-3;
-  EXPECT_FALSE(design_next({&friction_, &viscous_}, *data_, none));
+  EXPECT_FALSE(design(friction_, viscous_, none));
 }
 
 // The formula beside the dense problem that it solves.
 TEST_F(OneRate, TheWrongModelGivesWayAsFarAsTheCapturesLetIt) {
   const Experiment plan = pull_x({ramp_to(0.06, 3e-4), ramp_to(0.0, 3e-4)});
-  const auto found = separation(plan, friction_, viscous_, *data_, 0);
+  const auto found = between(plan, friction_, viscous_);
   ASSERT_TRUE(found);
   auto next = std::make_shared<estimation::DataSet>();
   next->curves = {curves_of(plan, data_->curves[0])};

@@ -9,6 +9,7 @@
 #include "server/diagnosis/diagnose.h"
 #include "server/diagnosis/field/diagnose_sheet.h"
 #include "server/diagnosis/verdicts/verdict_words.h"
+#include "tests/twin/exam/field/next_sheet.h"
 #include "tests/twin/exam/field/sheet_question.h"
 #include "tests/twin/exam/next_capture.h"
 #include "tests/twin/generator.h"
@@ -113,18 +114,30 @@ void compare(const Question& question, const Found& found, const Diagnose& diagn
     answer.held_out_truth = truth->held_out_after->error;
 }
 
+/// The design of the first AMBIGUOUS verdict, noted in the answer.
+const diagnosis::Design* proposed_by(const diagnosis::Findings& found, Answer& answer) {
+  const auto ambiguous = std::ranges::find(found.verdicts, diagnosis::VerdictKind::ambiguous,
+                                           &diagnosis::Verdict::kind);
+  if (ambiguous == found.verdicts.end()) return nullptr;
+  answer.was_ambiguous = true;
+  if (!ambiguous->design) return nullptr;
+  answer.proposed = ambiguous->design->plan.name + ", mounted as " + ambiguous->design->mounted_as;
+  return &*ambiguous->design;
+}
+
+template <class Found>
+void take_over_next(const Found& again, Answer& answer) {
+  for (const diagnosis::Verdict& verdict : again.verdicts)
+    answer.said_next.push_back(said_in(verdict));
+}
+
 /// Does what the first AMBIGUOUS verdict proposes, and asks again.
 void resolve(const Question& question, const diagnosis::Diagnosis& found, Answer& answer) {
-  const auto ambiguous = std::find_if(
-      found.verdicts.begin(), found.verdicts.end(),
-      [](const auto& verdict) { return verdict.kind == diagnosis::VerdictKind::ambiguous; });
-  if (ambiguous == found.verdicts.end()) return;
-  answer.was_ambiguous = true;
+  const diagnosis::Design* design = proposed_by(found, answer);
   const auto suite = twin::plan_suite(question.twin.suite, twin::Random(question.twin.seed));
-  if (!ambiguous->design || !suite) return;
-  const auto plan = planned(*ambiguous->design, *suite);
+  if (design == nullptr || !suite) return;
+  const auto plan = planned(*design, *suite);
   if (!plan) return;
-  answer.proposed = plan->name + ", mounted as " + ambiguous->design->mounted_as;
   twin::TwinCase twin_case = question.twin;
   twin_case.more = {*plan};
   auto twin = twin::make_twin(twin_case);
@@ -134,9 +147,7 @@ void resolve(const Question& question, const diagnosis::Diagnosis& found, Answer
                                     [](const auto& c) { return !c.time_s.empty(); });
   if (has_time) std::erase_if(twin->captures, [](const auto& c) { return c.time_s.empty(); });
   const auto again = diagnose_twin(std::move(*twin));
-  if (!again) return;
-  for (const diagnosis::Verdict& verdict : again->verdicts)
-    answer.said_next.push_back(said_in(verdict));
+  if (again) take_over_next(*again, answer);
 }
 
 void take_over_hidden(const std::vector<twin::Hidden>& all, Answer& answer) {
@@ -169,7 +180,26 @@ Answer ask_curves(const Question& question) {
   return answer;
 }
 
-/// What is proposed for sheets is words: nobody does it here.
+Expected<diagnosis::SheetDiagnosis> diagnose_sheets(const twin::SheetTwins& twins,
+                                                    const diagnosis::Options& options = {}) {
+  diagnosis::SheetRequest request = request_of(twins);
+  request.options = options;
+  return diagnosis::diagnose_sheets(request, diagnosis::Control());
+}
+
+/// The same of sheets.
+void resolve(const Question& question, const twin::SheetTwins& twins,
+             const diagnosis::SheetDiagnosis& found, Answer& answer) {
+  const diagnosis::Design* design = proposed_by(found, answer);
+  if (design == nullptr) return;
+  const auto plan = planned(*design, twins.suite);
+  if (!plan) return;
+  const auto more = twin::make_sheets(question.twin, {*plan});
+  if (!more) return;
+  const auto again = diagnose_sheets(*more);
+  if (again) take_over_next(*again, answer);
+}
+
 Answer ask_sheets(const Question& question) {
   Answer answer;
   const auto twins = twin::make_sheets(question.twin);
@@ -178,15 +208,15 @@ Answer ask_sheets(const Question& question) {
     return answer;
   }
   take_over_hidden(twins->hidden, answer);
-  const auto diagnose = [&](const diagnosis::Options& options) {
-    diagnosis::SheetRequest request = request_of(*twins);
-    request.options = options;
-    return diagnosis::diagnose_sheets(request, diagnosis::Control());
-  };
-  const auto found = diagnose({});
+  const auto found = diagnose_sheets(*twins);
   if (found) {
     take_over(*found, answer);
-    if (question.compare) compare(question, *found, diagnose, answer);
+    if (question.compare)
+      compare(
+          question, *found,
+          [&](const diagnosis::Options& options) { return diagnose_sheets(*twins, options); },
+          answer);
+    if (question.resolve) resolve(question, *twins, *found, answer);
   } else {
     answer.trouble = found.error().message;
   }

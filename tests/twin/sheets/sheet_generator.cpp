@@ -80,7 +80,7 @@ std::string form_of(const SheetEffect& effect, const std::string& name, Random c
 
 }  // namespace
 
-Expected<SheetTwins> make_sheets(const TwinCase& twin_case) {
+Expected<SheetTwins> make_sheets(const TwinCase& twin_case, const std::vector<SheetPlan>& more) {
   std::string label = twin_case.suite;
   for (const std::string& name : twin_case.effects) label += "+" + name;
   const auto stream = [&](const std::string& what) {
@@ -97,7 +97,7 @@ Expected<SheetTwins> make_sheets(const TwinCase& twin_case) {
   if (!suite) return tl::unexpected(suite.error());
   twins.suite = std::move(*suite);
   twins.stated = plain.fabric;
-  const Hidden3 hidden = hidden_places(twins.suite, stream("hidden"));
+  Hidden3 hidden = hidden_places(twins.suite, stream("hidden"));
   Random level = stream("level");
   twins.noise.points_m = level.log_uniform(6e-5, 2e-4);
   const double force_share = level.log_uniform(0.006, 0.02);
@@ -137,6 +137,10 @@ Expected<SheetTwins> make_sheets(const TwinCase& twin_case) {
       twins.hidden.push_back({effect.id, form, at.amplitude, effect.unit, at.size,
                               last.share_of_force, effect.foreign});
     }
+  }
+  if (!more.empty()) {
+    twins.suite.plans.insert(twins.suite.plans.end(), more.begin(), more.end());
+    hidden = hidden_places(twins.suite, stream("hidden"));
   }
   auto done = perform(twins.suite, truth.fabric, truth.faults);
   if (!done) return tl::unexpected(done.error());

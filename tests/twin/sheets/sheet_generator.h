@@ -27,7 +27,9 @@ struct SheetTwins {
 };
 
 /// bad_input: an unknown effect or suite, effects that a suite cannot show or that need different
-/// baselines, a sheet without rest.
-Expected<SheetTwins> make_sheets(const TwinCase& twin_case);
+/// baselines, a sheet without rest. `more`: done after the suite's, with effects as large as the
+/// suite alone asks for.
+Expected<SheetTwins> make_sheets(const TwinCase& twin_case,
+                                 const std::vector<SheetPlan>& more = {});
 
 }  // namespace tenter::twin

@@ -34,6 +34,7 @@ struct SheetPlan {
   bool is_frame = false;  ///< four clips, forces along them are read, too; else two bars
   bool along_u = true;    ///< which way bars are pulled apart
   bool held_out = false;
+  bool keeps_time = false;         ///< time is told of it, whatever the suite does
   Protocol path;                   ///< all that is done, turns too, with durations
   std::vector<int> seen;           ///< frames of the path that are frames of the capture, rising
   std::vector<std::string> cells;  ///< load cells of the rig, in the order of readings

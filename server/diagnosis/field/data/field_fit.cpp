@@ -52,8 +52,8 @@ void count_independent(const FieldData& data, const std::vector<estimation::Row>
   fit.std_error *= std::sqrt(before / std::max(1.0, fit.effective_rows - moving));
 }
 
-/// Without the faults of captures and of channels that are not among the data: they do nothing
-/// here.
+}  // namespace
+
 model::Model acting_on(model::Model model, const FieldData& data) {
   std::erase_if(model.corrections, [&](const model::SensorCorrection& c) {
     return std::none_of(
@@ -67,8 +67,6 @@ model::Model acting_on(model::Model model, const FieldData& data) {
   });
   return model;
 }
-
-}  // namespace
 
 int FieldData::block_count() const {
   int count = 0;

@@ -60,8 +60,10 @@ struct FieldFitOptions {
 Expected<FieldFit> fit_field(const model::Model& start, const FieldData& data,
                              const FieldStates& starts, const FieldFitOptions& options);
 
-/// The model as it is: nothing is fitted. Sensor corrections of captures or channels that the data
-/// lack are left out of it.
+/// Without sensor corrections of captures or of channels that the data lack: they do nothing there.
+model::Model acting_on(model::Model model, const FieldData& data);
+
+/// The model as it acts on the data: nothing is fitted.
 Expected<FieldFit> predict_field(const model::Model& model, const FieldData& data,
                                  const FieldStates& starts, const FieldFitOptions& options);
 

@@ -143,10 +143,10 @@ TEST_F(SheetDiagnosisJob, RefusesWhatItDoesNotKnow) {
   EXPECT_NE(done.error().message.find("options.resolutoin: no such option"), std::string::npos)
       << done.error().message;
   spec_["options"].erase("resolutoin");
-  spec_["options"]["rig_strain"] = 0.05;
+  spec_["options"]["rig_N"] = -1;
   const auto limited = run("job");
   ASSERT_FALSE(limited);
-  EXPECT_NE(limited.error().message.find("options.rig_strain: the next capture of a sheet"),
+  EXPECT_NE(limited.error().message.find("options.rig_N: must be a number above zero"),
             std::string::npos)
       << limited.error().message;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/twin/exam/field/sheet_question.h"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 
@@ -63,7 +64,8 @@ estimation::Sequence sequence_of_plan(const twin::SheetTwins& twins, std::size_t
     const twin::SheetReadings::Frame& read = twins.readings.plans[p][f];
     frame.points_m = read.points_m(Eigen::all, channels);
     frame.forces_N = read.forces_N;
-    frame.duration_s = twins.suite.traits.has_clock ? protocol.frames[f].duration_s : 0.0;
+    const bool has_clock = twins.suite.traits.has_clock || plan.keeps_time;
+    frame.duration_s = has_clock ? protocol.frames[f].duration_s : 0.0;
     if (fineness > 1) continue;
     frame.start = start_of(twins.done.plans[p], static_cast<std::size_t>(plan.seen[f]),
                            twins.suite.places_m.size(), frame.clips);
@@ -94,8 +96,12 @@ model::Model baseline_of(const twin::SheetTwins& twins) {
 diagnosis::SheetRequest request_of(const twin::SheetTwins& twins) {
   diagnosis::SheetRequest request;
   request.model = baseline_of(twins);
+  // what was recorded without time cannot speak of rates, beside what was
+  const bool drops_timeless = !twins.suite.traits.has_clock &&
+                              std::ranges::any_of(twins.suite.plans, &twin::SheetPlan::keeps_time);
   for (std::size_t p = 0; p < twins.suite.plans.size(); ++p) {
     const twin::SheetPlan& plan = twins.suite.plans[p];
+    if (drops_timeless && !plan.keeps_time) continue;
     request.sequences.push_back({"twin" + std::to_string(p), plan.name,
                                  estimation::Role::evaluation, sequence_of_plan(twins, p, 1),
                                  plan.held_out});

@@ -15,6 +15,7 @@
 #include "server/diagnosis/checks/repeats_check.h"
 #include "server/diagnosis/prepare.h"
 #include "server/diagnosis/screening/shortlist.h"
+#include "server/diagnosis/take_apart.h"
 #include "server/diagnosis/trials/at_rest.h"
 #include "server/diagnosis/trials/exchange.h"
 #include "server/diagnosis/trials/gain.h"
@@ -68,10 +69,6 @@ std::vector<Trial> run_round(const std::vector<Candidate>& candidates, const Ref
   return trials;
 }
 
-Reference reference_of(const Trial& trial) {
-  return {trial.model, trial.fit, trial.block_chi2};
-}
-
 /// Forward: one effect at a time, the best that passes, until none does.
 void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted,
                 const Request& request, const Excitation& excitation, const Control& control) {
@@ -82,6 +79,7 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
        ++round) {
     const double fraction = 0.1 + 0.7 * round / request.options.max_effects;
     d.unproven.clear();
+    d.within_form.clear();
     control.report(
         {"screen", "round " + std::to_string(round + 1), round, current.fit.chi2, fraction});
     ScreenOptions options;
@@ -108,8 +106,10 @@ void go_forward(Diagnosis& d, Reference& current, std::vector<Accepted>& accepte
       judge(trials[i], current, d.data, found.expected_chi2);
       if (current.fit.chi2 - trials[i].fit.chi2 < kLeastOfSteps * steps)
         trials[i].objections.push_back("the steps of the readings are much larger");
-      if (std::string why = objection_of_form(trials[i], current, accepted, d); !why.empty())
+      if (std::string why = objection_of_form(trials[i], current, accepted, d); !why.empty()) {
+        if (trials[i].objections.empty()) d.within_form.push_back(trials[i]);
         trials[i].objections.push_back(std::move(why));
+      }
       if (trials[i].objections.empty()) {
         chosen = i;
       } else {
@@ -190,6 +190,10 @@ void find_path(Diagnosis& d, Reference& current, std::vector<Accepted>& accepted
   if (control.stop.stop_requested()) return;
   go_backward(d, current, accepted);
   exchange(d, current, accepted, request, excitation, control);
+  take_apart(
+      d, current, accepted, excitation,
+      {request.options.null_twins, request.options.seed + 57, false, request.options.effects},
+      control);
   if (!accepted.empty() && refine_extended(d, current, request, control)) {
     go_forward(d, current, accepted, request, excitation, control);
     go_backward(d, current, accepted);

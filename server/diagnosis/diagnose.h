@@ -44,6 +44,9 @@ struct Diagnosis : Findings {
   /// Of the last round of additions: what passes every gate but the one on left-out data, where
   /// there are none; best first.
   std::vector<Trial> unproven;
+  /// Of the same round: what passes every gate but that the form of what was found may miss as
+  /// much.
+  std::vector<Trial> within_form;
   std::vector<CaptureScore> captures;
 };
 

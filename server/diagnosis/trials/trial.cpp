@@ -326,6 +326,10 @@ bool lacks_only_proof(const Trial& trial) {
   return trial.objections.size() == 1 && trial.objections.front() == kNothingLeftOut;
 }
 
+Reference reference_of(const Trial& trial) {
+  return {trial.model, trial.fit, trial.block_chi2};
+}
+
 double criterion_of(const Trial& trial, int added_effects, double rows) {
   const double asked = trial.effect->special_form_of.empty() ? 0.0 : kDecisive;
   return information(trial.fit.chi2, trial.parameters, added_effects, rows) + asked;

@@ -58,6 +58,9 @@ double information(double chi2, int parameters, int added_effects, double rows);
 /// decisively better.
 double criterion_of(const Trial& trial, int added_effects, double rows);
 
+/// Where the refit ended.
+Reference reference_of(const Trial& trial);
+
 /// Fills p_value, the held-out scores and the objections.
 void judge(Trial& trial, const Reference& before, const DataPointer& data, double expected_chi2);
 

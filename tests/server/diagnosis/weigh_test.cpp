@@ -3,6 +3,9 @@
 // passes for misread samples.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <set>
+
 #include "tests/server/diagnosis/prepared_twin.h"
 
 namespace tenter::diagnosis {
@@ -50,6 +53,20 @@ TEST(Diagnose, TakesReadingsBackThatWhatItFoundReaches) {
   // without those readings it would come out 4 % too small
   const double truth = twin::make_twin(hidden)->hidden.front().share_of_force;
   EXPECT_NEAR(d->verdicts.front().size, truth, 0.01 * truth);
+}
+
+// a curve of force along every direction is both, but for a little at the corner of the limit
+TEST(Diagnose, TakesApartWhatTookTwoCausesAtOnce) {
+  const auto d = diagnosed(hiding(1504, {"strain_limit:u", "anisotropy"}, 3.0),
+                           {"nonlinear_stiffness", "strain_limit", "anisotropy"});
+  ASSERT_TRUE(d) << d.error().message;
+  std::set<std::string> found;
+  for (const Verdict& verdict : d->verdicts) found.insert(verdict.effect);
+  EXPECT_EQ(found, (std::set<std::string>{"strain_limit", "anisotropy"}));
+  const bool was_one = std::ranges::any_of(d->path, [](const PathStep& step) {
+    return step.action == "drop" && step.effect == "nonlinear_stiffness";
+  });
+  EXPECT_TRUE(was_one);  // else this test asks nothing
 }
 
 TEST(Diagnose, KeepsWhatItFoundFirstWhereThatIsBetter) {

@@ -10,13 +10,21 @@
 // every orthotropic one has the same lambda, the mu that is the least of (k_u - lambda)/2,
 // (k_v - lambda)/2 and k_uv, and two at most of x_u, x_v, x_uv. So directions come alone and in
 // twos.
+//
+// A yarn that runs across, or a cloth that lies askew in its clips, ties stretch and shear
+// together, which no sum of these does. Only sheets are free to show it: there fibres at a few
+// angles to either side are asked, too.
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <utility>
 
 #include "server/diagnosis/effects/effects.h"
 
 namespace tenter::diagnosis {
 namespace {
+
+constexpr double kDegree = 0.017453292519943295;
 
 /// Directions that have no stiffness of their own yet.
 std::vector<Place> shared_places(const model::Model& model, const Excitation& excitation) {
@@ -34,18 +42,40 @@ std::vector<Place> shared_places(const model::Model& model, const Excitation& ex
   return shared;
 }
 
+/// "weft", "30 degrees from the weft".
+std::string words_of(const Place& place) {
+  if (!place.measure.ends_with("fibre")) return place.name;
+  return std::to_string(std::lround(place.angle_rad / kDegree)) + " degrees from the weft";
+}
+
 Variant own_stiffness(const model::Model& model, const std::vector<Place>& along) {
   Variant variant;
   variant.words = "an own stiffness along ";
   for (const Place& place : along) {
     if (!variant.append.empty()) variant.words += " and ";
-    variant.words += place.name;
+    variant.words += words_of(place);
     model::Term term =
         new_term(model, "own_" + place.name, place.measure, place.angle_rad, "linear");
     set_parameter(term.law, "k", 0.0);
     variant.append.push_back(std::move(term));
   }
   return variant;
+}
+
+/// Fibres at an angle from the weft, of which the model has none yet.
+std::vector<Place> askew_places(const model::Model& model) {
+  std::vector<Place> askew;
+  const std::string measure = measure_family(model) == "green" ? "green_fibre" : "fibre";
+  for (const int degrees : {30, -30, 45, -45, 60, -60}) {
+    const double angle_rad = degrees * kDegree;
+    const bool is_there = std::ranges::any_of(model.terms, [&](const model::Term& term) {
+      return term.strain.name == measure && std::abs(term.strain.angle_rad - angle_rad) < 1e-6;
+    });
+    const std::string side = degrees < 0 ? "minus_" : "";
+    if (!is_there)
+      askew.push_back({side + std::to_string(std::abs(degrees)) + "_degrees", measure, angle_rad});
+  }
+  return askew;
 }
 
 bool is_in_plane(const Place& place) {
@@ -65,6 +95,9 @@ Effect anisotropy() {
       for (std::size_t k = i + 1; k < shared.size(); ++k)
         if (is_in_plane(shared[i]) && is_in_plane(shared[k]))
           variants.push_back(own_stiffness(model, {shared[i], shared[k]}));
+    if (excitation.sheet)
+      for (const Place& place : askew_places(model))
+        variants.push_back(own_stiffness(model, {place}));
     return variants;
   };
   effect.not_excited = [](const model::Model&, const Excitation& e) -> std::optional<std::string> {

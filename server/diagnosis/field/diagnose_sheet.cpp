@@ -148,7 +148,8 @@ std::string objection_of_kinds(const Trial& trial, const Chain& chain) {
       std::any_of(chain.accepted.begin(), chain.accepted.end(),
                   [&](const FieldFinding& f) { return f.trial.effect == trial.effect; });
   const Misfit now = misfit(chain.current.at.fit);
-  if (std::string why = objection_of_grid(chain.d.taken_by_grid, now, misfit(trial.fit));
+  if (std::string why =
+          objection_of_grid(chain.d.taken_by_grid, now, misfit(trial.fit), trial.variant);
       !why.empty())
     return why;
   std::array<double, 2> taken = {0.0, 0.0};
@@ -194,7 +195,7 @@ Expected<void> go_forward(Chain& chain) {
         chosen = i;
         continue;
       }
-      const FieldFit at{{trial.model, trial.fit, trial.block_chi2}, {}, chain.current.rows};
+      const FieldFit at{reference_of(trial), {}, chain.current.rows};
       PathStep step = step_of("reject", trial.effect->id,
                               trial.variant.words + ": " + trial.objections.front(), at, d);
       step.p_value = trial.p_value;

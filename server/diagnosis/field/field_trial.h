@@ -45,7 +45,7 @@ std::string objection_by_kind(const std::array<double, 2>& taken, const Misfit& 
 
 /// The same of the grid's error, of which its estimate took `taken`.
 std::string objection_of_grid(const std::array<double, 2>& taken, const Misfit& before,
-                              const Misfit& after);
+                              const Misfit& after, const Variant& variant);
 
 /// The folds that can judge what `larger` adds, of the first of these kinds that has two: the rest
 /// determines it, and what is left out shows it. Fewer than two of any kind: empty.

@@ -63,6 +63,14 @@ TEST(SheetTwins, APatchOfOtherStiffnessIsFound) {
   expect_found(diagnosed(sheets_of(truth, compliant_cloth())), "heterogeneity");
 }
 
+/// A yarn that runs across, at none of the angles that the catalogue asks for.
+TEST(SheetTwins, AClothThatIsStifferAskewIsFound) {
+  SheetTruth truth{.model = compliant_cloth(), .frames = 12};
+  truth.model.terms.push_back(new_term(truth.model, "askew", "green_fibre", 0.65, "linear"));
+  set_parameter(truth.model.terms.back().law, "k", 15.0);
+  expect_found(diagnosed(sheets_of(truth, compliant_cloth())), "anisotropy");
+}
+
 /// Between two captures the cameras were touched.
 TEST(SheetTwins, CamerasThatMovedAreFound) {
   const SheetTruth truth{.model = compliant_cloth(), .frames = 12};

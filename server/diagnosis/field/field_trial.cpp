@@ -82,6 +82,17 @@ double share_of_missed(const std::vector<KindChi2>& kinds) {
   return largest;
 }
 
+/// Where points are seen at all, they are met better.
+bool moves_points(const std::vector<KindChi2>& kinds) {
+  double gain = 0.0, rows = 0.0;
+  for (const KindChi2& kind : kinds)
+    if (kind.of_positions) {
+      gain += kind.before - kind.after;
+      rows += kind.rows;
+    }
+  return rows == 0.0 || gain > kDecisive;
+}
+
 /// Over all kinds, each in the noise that the larger model leaves of it where that is more than
 /// what is stated: a hundred forces that scatter twice as far as stated would pass for strong
 /// evidence beside ten thousand positions that do not.
@@ -334,6 +345,8 @@ void judge_field(FieldTrial& field, const FieldFit& before, const FieldData& dat
   constexpr double kLeastOfMany = 0.35;  // less is a stand-in's
   if (has_many_places(trial.variant) && share_of_missed(kinds) < kLeastOfMany)
     trial.objections.push_back("so many numbers explain little of what is missed");
+  if (has_many_places(trial.variant) && !moves_points(kinds))
+    trial.objections.push_back("points, which it would move, show nothing of it");
   check_parameters(trial);
   if (!trial.effect->in_every_run) {
     const std::string objection = accident_objection(field, before, data);

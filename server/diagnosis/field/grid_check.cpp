@@ -89,6 +89,25 @@ std::array<double, 2> chi2_by_kind(const FieldData& data, const FieldFit& at) {
   return misfit_of(data.sequences, at.rows, at.at.fit.residuals).chi2;
 }
 
+/// By how much readings of positions, and all else, differ: chi2.
+std::array<double, 2> apart_by_kind(const FieldData& data, const FieldData& other) {
+  std::array<double, 2> chi2 = {0.0, 0.0};
+  for (std::size_t s = 0; s < data.sequences.size(); ++s) {
+    const estimation::Sequence& sequence = data.sequences[s];
+    const estimation::Observations channels(sequence);
+    for (std::size_t f = 0; f < sequence.frames.size(); ++f)
+      for (int c = 0; c < channels.count(); ++c) {
+        const double apart = (channels.measured(sequence.frames[f], c) -
+                              channels.measured(other.sequences[s].frames[f], c)) /
+                             channels.sigma(sequence, c);
+        const bool is_position =
+            channels.kind(sequence, c) == estimation::ObservationKind::position;
+        if (std::isfinite(apart)) chi2[is_position ? 0 : 1] += apart * apart;
+      }
+  }
+  return chi2;
+}
+
 /// Of positions or of all else, more than the noise.
 bool misses_something(const SheetDiagnosis& d) {
   constexpr double kLeast = 1.1;
@@ -135,6 +154,7 @@ Expected<void> compare_grids(const SheetRequest& request, const Control& control
   auto refitted =
       fit_field(d.baseline.at.model, free_of_grid, d.baseline.states, field_options(control));
   if (!refitted) return tl::unexpected(refitted.error());
+  const std::array<double, 2> apart = apart_by_kind(d.data, free_of_grid);
   if (const int worse = put_back_worse(d, *refitted, free_of_grid); worse > 0) {
     d.checklist.push_back(
         {"WARNING", "A finer grid is no better for some captures",
@@ -164,8 +184,10 @@ Expected<void> compare_grids(const SheetRequest& request, const Control& control
   if (refitted->rows.size() == d.baseline.rows.size()) {
     const auto with = chi2_by_kind(d.data, d.baseline);
     const auto without = chi2_by_kind(free_of_grid, *refitted);
+    // of a misfit that is another's it may take more than it is, by chance
     for (const std::size_t kind : {0UL, 1UL})
-      d.taken_by_grid[kind] += std::max(0.0, with[kind] - without[kind]);
+      d.taken_by_grid[kind] =
+          std::min(apart[kind], d.taken_by_grid[kind] + std::max(0.0, with[kind] - without[kind]));
   }
   d.data = std::move(free_of_grid);
   d.baseline = std::move(*refitted);

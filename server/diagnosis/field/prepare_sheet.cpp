@@ -2,10 +2,12 @@
 #include "server/diagnosis/field/prepare_sheet.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "server/diagnosis/field/data/start.h"
 #include "server/diagnosis/field/screen/field_excitation.h"
+#include "server/estimation/sequences/observations.h"
 #include "server/estimation/staged/resting_frames.h"
 
 namespace tenter::diagnosis {
@@ -55,6 +57,39 @@ Expected<FieldFit> first_fit(const model::Model& start, const model::Model& mode
                            "A stiffness that these captures do not determine is held or bounded",
                            name + " ran away from its start value"});
   return again;
+}
+
+/// Most of the forces are missed: no model of cloth is as wrong as that, but a fit may have gone
+/// where a sheet wrinkles.
+bool misses_most(const FieldFit& fit, const FieldData& data) {
+  constexpr double kMost = 0.3;
+  double missed = 0.0, measured = 0.0;
+  for (std::size_t r = 0; r < fit.rows.size(); ++r) {
+    const estimation::Row& row = fit.rows[r];
+    const estimation::Sequence& sequence = data.sequences[static_cast<std::size_t>(row.curve)];
+    const estimation::Observations channels(sequence);
+    if (channels.kind(sequence, row.channel) != estimation::ObservationKind::force) continue;
+    const auto& frame = sequence.frames[static_cast<std::size_t>(row.frame)];
+    missed += std::pow(
+        fit.at.fit.residuals[static_cast<Eigen::Index>(r)] * channels.sigma(sequence, row.channel),
+        2);
+    measured += std::pow(channels.measured(frame, row.channel), 2);
+  }
+  return missed > kMost * kMost * measured;
+}
+
+/// The same from a start that forces scaled, where the fit misses most of them; the better one.
+void try_other_start(const model::Model& start, const FieldFitOptions& options, SheetDiagnosis& d,
+                     FieldFit& fit) {
+  if (!misses_most(fit, d.data)) return;
+  const auto scaled = scaled_to_forces(start, d.data);
+  if (!scaled) return;
+  const std::vector<Check> said = d.checklist;
+  auto again = first_fit(start, *scaled, options, d);
+  if (again && again->at.fit.chi2 < fit.at.fit.chi2)
+    fit = std::move(*again);
+  else
+    d.checklist = said;
 }
 
 /// What the baseline says of the captures that are held out; frames that have no rest with it are
@@ -113,6 +148,7 @@ Expected<SheetDiagnosis> prepare_sheets(const SheetRequest& request, const Contr
   };
   auto fit = first_fit(request.model, *model, options, d);
   if (fit) {
+    try_other_start(request.model, options, d, *fit);
     d.misread = find_misread(d.data.sequences, fit->rows, fit->at.fit.residuals);
     set_aside(d.misread, d.data.sequences);
     if (!d.misread.empty()) fit = fit_field(fit->at.model, d.data, fit->states, options);

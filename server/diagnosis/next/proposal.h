@@ -23,7 +23,7 @@ struct RigLimits {
 
 /// How far apart two models are expected to be (separation.h).
 struct Separation {
-  double chi2 = 0.0;  ///< S
+  double chi2 = 0.0;     ///< S
   int rows = 0;          ///< readings of the experiment
   int telling_rows = 0;  ///< of these, of the kind that shows most of it
   /// Largest that either foretells: N/m of curves, N at a clip of sheets.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "server/estimation/sequences/observations.h"
@@ -115,8 +114,8 @@ void bring_back(const model::Model& start, model::Model& model) {
   }
 }
 
-/// The start with its membrane as stiff, all alike, as forces ask for; nothing where it has no rest
-/// or no force is known.
+}  // namespace
+
 std::optional<model::Model> scaled_to_forces(const model::Model& start, const FieldData& data) {
   const auto foretold = predict_field(start, data, {}, {});
   if (!foretold) return std::nullopt;
@@ -139,10 +138,9 @@ std::optional<model::Model> scaled_to_forces(const model::Model& start, const Fi
     if (p->unit == "N/m" && !p->fixed)
       p->value = std::clamp(p->value * product / square, p->lower.value_or(0.0),
                             p->upper.value_or(std::numeric_limits<double>::infinity()));
+  bound_bending(data, scaled);
   return scaled;
 }
-
-}  // namespace
 
 Expected<model::Model> find_start(const model::Model& start, const Control& control,
                                   FieldData& data, std::vector<std::string>& dropped) {

@@ -2,6 +2,7 @@
 // Where the first fit to sheets begins, and what it may not move from there. Pure.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,10 @@ namespace tenter::diagnosis {
 /// rest are taken out of `data` and named in `dropped`. bad_input as the stage.
 Expected<model::Model> find_start(const model::Model& start, const Control& control,
                                   FieldData& data, std::vector<std::string>& dropped);
+
+/// The model with its membrane as stiff, all alike, as forces ask for, and bending bounded; nothing
+/// where it has no rest or no force is known.
+std::optional<model::Model> scaled_to_forces(const model::Model& start, const FieldData& data);
 
 /// Stiffnesses that the captures do not determine and that ran away: a sheet that resists nothing
 /// in shear, or everything, comes to no rest in the next fit. Usual is the start value times what

@@ -5,7 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
 
 #include "tests/server/diagnosis/field/sheet_of.h"
 
@@ -95,6 +98,56 @@ TEST(FieldTrial, WhatOneKindShowsIsNotTheFormOfWhatTheOtherShowed) {
   EXPECT_NE(objection({11235.0, 2268.0}, {11234.0, 471.0}, {11247.0, 348.0}), "");
   // positions gain, and forces lose
   EXPECT_NE(objection({9574.0, 1752.0}, {9590.0, 261.0}, {9401.0, 306.0}), "");
+}
+
+Variant patches() {
+  Variant variant;
+  variant.parts_are_one = true;
+  const model::Model cloth = compliant_cloth();
+  for (int k = 0; k < 9; ++k)
+    variant.append.push_back(
+        new_term(cloth, "patch_" + std::to_string(k), "green_u", 0.0, "linear"));
+  return variant;
+}
+
+/// The grid is wrong at the corners of clips, as a patch would be: more is asked of one.
+TEST(FieldTrial, APatchIsToldFromTheErrorOfTheGrid) {
+  const std::array<double, 2> taken = {1000.0, 0.0};
+  const Misfit before{{5000.0, 400.0}, {}}, after{{4800.0, 400.0}, {}};
+  EXPECT_EQ(objection_of_grid(taken, before, after, {}), "");
+  EXPECT_NE(objection_of_grid(taken, before, after, patches()), "");
+  const Misfit far_after{{4500.0, 400.0}, {}};
+  EXPECT_EQ(objection_of_grid(taken, before, far_after, patches()), "");
+}
+
+/// What forces alone show lies in no part of the material.
+TEST(FieldTrial, APatchThatNoPointShowsIsNone) {
+  const SheetTruth truth{.model = compliant_cloth(), .protocols = {"stretch_u"}, .frames = 12};
+  FieldData data = data_of(sheets_of(truth, compliant_cloth()));
+  for (std::size_t f = 0; f < data.sequences.front().frames.size(); f += 2)
+    data.sequences.front().frames[f].forces_N.array() += 0.1;
+  model::Model model = compliant_cloth();
+  for (const std::size_t t : {1, 2, 3, 4, 5}) model.terms[t].law.parameters[0].fixed = true;
+  const auto plain = fit_field(model, data, {}, {});
+  ASSERT_TRUE(plain) << plain.error().message;
+  const auto objections = [&](bool points_gain) {
+    FieldTrial trial;
+    trial.trial.effect = find_effect("heterogeneity");
+    trial.trial.variant = patches();
+    trial.trial.model = plain->at.model;
+    trial.trial.fit = plain->at.fit;
+    const int points = 3 * static_cast<int>(data.sequences.front().points.size());
+    for (std::size_t r = 0; r < plain->rows.size(); ++r)
+      if (points_gain || plain->rows[r].channel >= points)
+        trial.trial.fit.residuals[static_cast<Eigen::Index>(r)] *= 0.1;
+    trial.trial.fit.chi2 = trial.trial.fit.residuals.squaredNorm();
+    judge_field(trial, *plain, data, {}, static_cast<double>(plain->rows.size()), {});
+    return std::ranges::count_if(trial.trial.objections, [](const std::string& objection) {
+      return objection.starts_with("points, which it would move");
+    });
+  };
+  EXPECT_EQ(objections(false), 1);
+  EXPECT_EQ(objections(true), 0);
 }
 
 }  // namespace
